@@ -1,0 +1,24 @@
+//! GROUND FLOOR: the types every room shares. Imports nothing of ours.
+//!
+//! | Item | What it is |
+//! | --- | --- |
+//! | [`Plane`], [`Rows`] | one f32 image on the torus, and a toroidal window of its rows |
+//! | [`Domain`] | the grid: size in texels and in millimetres |
+//! | [`hash`] | counter-based integer hashing, the only source of randomness |
+//! | [`num`] | portable, vectorisable elementary functions |
+//! | [`simd`] | run-time dispatch that can be forced, with equal bits at every level |
+//! | [`color`] | linear and sRGB colour as different types, Oklab, HSL |
+//! | [`MapKind`] | the maps a texture set can hold |
+
+pub mod color;
+pub mod domain;
+pub mod hash;
+pub mod map_kind;
+pub mod num;
+pub mod plane;
+pub mod simd;
+
+pub use color::{LinearRgb, Srgb8};
+pub use domain::Domain;
+pub use map_kind::MapKind;
+pub use plane::{Plane, Rows};

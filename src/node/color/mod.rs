@@ -1,0 +1,5 @@
+//! color nodes.
+use super::Op;
+
+/// The operations of this category.
+pub const OPS: &[Op] = &[];

@@ -1,0 +1,5 @@
+//! filter nodes.
+use super::Op;
+
+/// The operations of this category.
+pub const OPS: &[Op] = &[];

@@ -1,0 +1,5 @@
+//! input nodes.
+use super::Op;
+
+/// The operations of this category.
+pub const OPS: &[Op] = &[];
