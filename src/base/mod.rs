@@ -6,6 +6,7 @@
 //! | [`Domain`] | the grid: size in texels and in millimetres |
 //! | [`hash`] | counter-based integer hashing, the only source of randomness |
 //! | [`num`] | portable, vectorisable elementary functions |
+//! | [`sdf`] | exact signed distances to plane shapes |
 //! | [`simd`] | run-time dispatch that can be forced, with equal bits at every level |
 //! | [`color`] | linear and sRGB colour as different types, Oklab, HSL |
 //! | [`MapKind`] | the maps a texture set can hold |
@@ -16,6 +17,7 @@ pub mod hash;
 pub mod map_kind;
 pub mod num;
 pub mod plane;
+pub mod sdf;
 pub mod simd;
 
 pub use color::{LinearRgb, Srgb8};
