@@ -2,4 +2,7 @@
 #![warn(unreachable_pub)]
 pub mod base;
 pub mod eval;
+#[cfg(feature = "files")]
+pub mod io;
+pub mod maps;
 pub mod node;
