@@ -30,7 +30,7 @@ pub fn turn(x: f32, y: f32, cos: f32, sin: f32) -> (f32, f32) {
 /// A straight edge along a texel side gives the exact area for `width` = the texel. `width` 0 is a hard edge.
 #[inline(always)]
 pub fn coverage(d: f32, width: f32) -> f32 {
-    num::linear_step(0.5 * width, -0.5 * width, d)
+    num::linear_step(-0.5 * width, 0.5 * width, -d)
 }
 
 /// Squared distance to the segment from (`ax`, `ay`) to (`bx`, `by`).
@@ -121,6 +121,24 @@ pub fn truncated_rhombus(x: f32, y: f32, hx: f32, hy: f32, cut_x: f32, cut_y: f3
     let outside = x > cx || y > cy || beyond > 0.0;
     let d = side.min(slope).min(top).sqrt();
     if outside { d } else { -d }
+}
+
+/// [`truncated_rhombus`] whose corners are rounded with `radius`, limited to the greatest inner disc; it stays inside
+/// the sharp one and touches its sides.
+#[inline(always)]
+pub fn rounded_truncated_rhombus(
+    x: f32,
+    y: f32,
+    hx: f32,
+    hy: f32,
+    cut_x: f32,
+    cut_y: f32,
+    radius: f32,
+) -> f32 {
+    let inner = rhombus_inradius(hx, hy);
+    let r = radius.min(inner).min(cut_x.min(cut_y)).max(0.0);
+    let k = 1.0 - r / inner.max(f32::MIN_POSITIVE);
+    truncated_rhombus(x, y, hx * k, hy * k, cut_x - r, cut_y - r) - r
 }
 
 /// Distance to a regular polygon's side x = `apothem`, for a point folded into that side's sector.
@@ -345,6 +363,7 @@ mod tests {
         near(ellipse(6.0, 0.0, 5.0, 2.0), 1.0);
         near(coverage(0.0, 0.1), 0.5);
         near(coverage(0.025, 0.1), 0.25);
+        assert_eq!((coverage(-1e-9, 0.0), coverage(1e-9, 0.0)), (1.0, 0.0));
     }
 
     #[test]
@@ -354,10 +373,16 @@ mod tests {
             let y = 1.2 * hash::signed(hash::hash2(2, i, 1));
             assert!(rounded_vesica(x, y, 0.5, 1.0, 0.2) >= vesica(x, y, 0.5, 1.0) - 1e-5, "{x} {y}");
             assert!(rounded_rhombus(x, y, 0.5, 1.0, 0.2) >= rhombus(x, y, 0.5, 1.0) - 1e-5, "{x} {y}");
+            let (round, sharp) = (
+                rounded_truncated_rhombus(x, y, 1.0, 0.8, 0.7, 0.6, 0.2),
+                truncated_rhombus(x, y, 1.0, 0.8, 0.7, 0.6),
+            );
+            assert!(round >= sharp - 1e-5, "{x} {y}");
             assert!(rounded_box(x, y, 0.5, 1.0, 0.2) >= rectangle(x, y, 0.5, 1.0) - 1e-5, "{x} {y}");
         }
         assert!(rounded_vesica(0.5, 0.0, 0.5, 1.0, 0.2).abs() < 1e-6);
         assert!(rounded_rhombus(0.25, 0.5, 0.5, 1.0, 0.2).abs() < 1e-6);
+        assert!(rounded_truncated_rhombus(0.5, 0.4, 1.0, 0.8, 0.7, 0.6, 0.1).abs() < 1e-6);
     }
 
     #[test]
@@ -390,6 +415,7 @@ mod tests {
                     capsule(x, y, a, b),
                     rounded_rhombus(x, y, a, b, 0.1),
                     truncated_rhombus(x, y, a, b, 0.5 * a, 0.7 * b),
+                    rounded_truncated_rhombus(x, y, a, b, 0.5 * a, 0.7 * b, 0.1),
                     hexagon(x, y, a),
                     polygon(x, y, 7.0, polygon_tan(7.0), a),
                     rounded_vesica(x, y, a, b, 0.1),

@@ -1,0 +1,73 @@
+//! A ring.
+
+use std::ops::Range;
+
+use super::shape::{self, Shape};
+use crate::base::sdf;
+use crate::node::spec::OFFSETS;
+use crate::node::{Cx, Inputs, Operation, Outputs, Spec};
+
+/// A ring (annulus).
+///
+/// Its images continue over the seams. Sizes are fractions of the tile's shorter side.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Ring {
+    /// Place of the centre around the body; 0.5 is the middle of the back.
+    #[schemars(range(min = 0.0, max = 1.0), extend("x-unit" = "tile"))]
+    pub center_u: f32,
+    /// Place of the centre along the body.
+    #[schemars(range(min = 0.0, max = 1.0), extend("x-unit" = "tile"))]
+    pub center_v: f32,
+    /// Width of the edge from 0 to 1; 0 is as sharp as the texels allow, 0.02 is soft.
+    #[schemars(range(min = 0.0, max = 1.0), extend("x-unit" = "tile"))]
+    pub softness: f32,
+}
+
+impl Default for Ring {
+    fn default() -> Self {
+        Self { center_u: 0.5, center_v: 0.5, softness: 0.0 }
+    }
+}
+
+impl Operation for Ring {
+    const SPEC: Spec = Spec {
+        name: "ring",
+        summary: "A ring.",
+        inputs: &[
+            shape::size("size", 0.5, "Outer diameter."),
+            shape::size(
+                "thickness",
+                0.05,
+                "Width of the ring's band; as wide as half the diameter and it is a disc.",
+            ),
+            OFFSETS[0],
+            OFFSETS[1],
+        ],
+        outputs: shape::OUTPUTS,
+        ..Spec::GENERATOR
+    };
+
+    fn cost_ns(&self) -> f32 {
+        2.0
+    }
+
+    fn eval(&self, cx: &Cx<'_>, rows: Range<i64>, ins: &Inputs<'_>, outs: &mut Outputs<'_>) {
+        Shape {
+            center_u: self.center_u,
+            center_v: self.center_v,
+            softness: self.softness,
+            sizes: [0, 1],
+            rotation: None,
+            offsets: 2,
+            kernel,
+            k: [0.0, 0.0, 0.0, 0.0],
+        }
+        .paint(cx, rows, ins, outs);
+    }
+}
+
+shape::kernel!(kernel, |x, y, a, b, _k| {
+    let band = b.min(0.5 * a);
+    sdf::ring(x, y, a - band, band)
+});
