@@ -6,3 +6,4 @@ pub mod eval;
 pub mod io;
 pub mod maps;
 pub mod node;
+pub mod preset;

@@ -9,6 +9,7 @@
 //! | [`sdf`] | exact signed distances to plane shapes |
 //! | [`simd`] | run-time dispatch that can be forced, with equal bits at every level |
 //! | [`color`] | linear and sRGB colour as different types, Oklab, HSL |
+//! | [`params`] | settings held against the ranges that their struct declares |
 //! | [`MapKind`] | the maps a texture set can hold |
 
 pub mod color;
@@ -16,6 +17,7 @@ pub mod domain;
 pub mod hash;
 pub mod map_kind;
 pub mod num;
+pub mod params;
 pub mod plane;
 pub mod sdf;
 pub mod simd;
@@ -23,4 +25,5 @@ pub mod simd;
 pub use color::{LinearRgb, Srgb8};
 pub use domain::Domain;
 pub use map_kind::MapKind;
+pub use params::ParamError;
 pub use plane::{Plane, Rows};

@@ -20,7 +20,6 @@ pub mod convert;
 pub mod filter;
 pub mod generate;
 pub mod input;
-pub mod params;
 pub mod pattern;
 pub mod place;
 pub mod spec;
@@ -33,11 +32,11 @@ use std::sync::Arc;
 
 use serde::{Serialize, de::DeserializeOwned};
 
-pub use params::ParamError;
 pub use spec::{Category, Fallback, InputSpec, Kind, OutputKind, OutputSpec, PortKind, Reach, Spec};
 pub use views::{Asset, Assets, Inputs, Outputs};
 
 use crate::base::Domain;
+pub use crate::base::params::{self, ParamError};
 
 /// What an evaluation knows beside its inputs.
 #[derive(Clone, Copy)]
