@@ -1,9 +1,12 @@
 //! Ophidian core (the architecture page is written last).
 #![warn(unreachable_pub)]
+
 pub mod base;
 pub mod eval;
+pub mod graph;
 #[cfg(feature = "files")]
 pub mod io;
 pub mod maps;
 pub mod node;
+pub mod plan;
 pub mod preset;

@@ -1,5 +1,12 @@
 //! DOING IT: the only loops over whole planes.
+//!
+//! [`run()`] executes a [`Plan`](crate::plan::Plan): stage by stage, bands of rows in parallel, planes from a pool that
+//! get back to it as soon as their last reader ran. [`run_node`] evaluates one node alone.
 
+mod run;
 mod single;
+mod trace;
 
+pub use run::{Cancelled, Control, Evaluation, MapPlanes, run};
 pub use single::{Input, run_node};
+pub use trace::{StepTime, Trace};

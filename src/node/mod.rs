@@ -17,6 +17,7 @@
 pub mod color;
 pub mod combine;
 pub mod convert;
+pub mod draft;
 pub mod filter;
 pub mod generate;
 pub mod input;

@@ -1,0 +1,345 @@
+//! Running a plan: bands of rows in parallel, planes from a pool.
+
+use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+
+use rayon::prelude::*;
+
+use super::trace::{Stopwatch, Trace};
+use crate::base::{MapKind, Plane, Rows};
+use crate::node::{Cx, Inputs, Outputs, Prepared};
+use crate::plan::{Home, LaneSource, Plan, Stage, Step};
+
+/// A map's planes: one, or three for colours and vectors.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MapPlanes {
+    /// The channels.
+    pub planes: Vec<Plane>,
+    /// Physical values that integer files map to 0 and 1.
+    pub range: [f32; 2],
+}
+
+/// What [`run`] hands out.
+#[derive(Clone, Debug)]
+pub struct Evaluation {
+    /// The wanted maps.
+    pub maps: BTreeMap<MapKind, MapPlanes>,
+    /// Time by step.
+    pub trace: Trace,
+}
+
+/// The caller asked to stop.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("cancelled")]
+pub struct Cancelled;
+
+/// What a caller can say while a plan runs.
+#[derive(Clone, Copy, Default)]
+pub struct Control<'a> {
+    /// Set it to stop at the next band.
+    pub cancel: Option<&'a AtomicBool>,
+    /// Called with the share of the planned cost that is done, in [0, 1], and the name of a step at work.
+    pub progress: Option<&'a (dyn Fn(f32, &str) + Sync)>,
+}
+
+impl Control<'_> {
+    fn cancelled(&self) -> bool {
+        self.cancel.is_some_and(|c| c.load(Ordering::Relaxed))
+    }
+}
+
+/// Run a plan on the current rayon pool. The bytes do not depend on the number of threads.
+///
+/// # Errors
+/// [`Cancelled`] if the caller's flag was set.
+pub fn run(plan: &Plan, control: Control<'_>) -> Result<Evaluation, Cancelled> {
+    let mut runner = Runner::new(plan, control);
+    for stage in &plan.stages {
+        runner.stage(stage)?;
+    }
+    Ok(runner.finish())
+}
+
+struct Runner<'a> {
+    plan: &'a Plan,
+    control: Control<'a>,
+    planes: Vec<Option<Plane>>,
+    pool: Vec<Vec<f32>>,
+    prepared: Vec<Option<Prepared>>,
+    watch: Stopwatch,
+    total_cost: f32,
+    done_cost: AtomicU64,
+}
+
+/// One row of each constant that a stage's steps read.
+struct ConstantRows {
+    rows: BTreeMap<u32, Vec<f32>>,
+}
+
+impl ConstantRows {
+    fn of<'s>(steps: impl Iterator<Item = &'s Step>, width: usize) -> Self {
+        let mut rows = BTreeMap::new();
+        for source in steps.flat_map(|s| &s.passes).flat_map(|p| &p.inputs) {
+            if let LaneSource::Const(v) = source {
+                rows.entry(v.to_bits()).or_insert_with(|| vec![*v; width]);
+            }
+        }
+        Self { rows }
+    }
+
+    fn get(&self, v: f32) -> Rows<'_> {
+        Rows::broadcast(&self.rows[&v.to_bits()])
+    }
+}
+
+impl<'a> Runner<'a> {
+    fn new(plan: &'a Plan, control: Control<'a>) -> Self {
+        Self {
+            plan,
+            control,
+            planes: vec![None; plan.homes.len()],
+            pool: Vec::new(),
+            prepared: plan.steps.iter().map(|_| None).collect(),
+            watch: Stopwatch::new(plan.steps.len()),
+            total_cost: plan.steps.iter().map(Step::cost_ns).sum::<f32>().max(1e-9),
+            done_cost: AtomicU64::new(0),
+        }
+    }
+
+    /// A plane whose contents will all be written.
+    fn take_plane(&mut self) -> Plane {
+        let (w, h) = (self.plan.domain.width, self.plan.domain.height);
+        match self.pool.pop() {
+            Some(data) => Plane::from_vec(w, h, data),
+            None => Plane::filled(w, h, 0.0),
+        }
+    }
+
+    fn cx<'c>(&'c self, step: usize) -> Cx<'c> {
+        let s = &self.plan.steps[step];
+        Cx {
+            domain: self.plan.domain,
+            seed: s.seed,
+            assets: &self.plan.assets,
+            prepared: self.prepared[step].as_ref(),
+        }
+    }
+
+    fn report(&self, step: &Step, share: f32) {
+        if let Some(progress) = self.control.progress {
+            // Hundredths of a picosecond per texel: integers add up in any order.
+            let add = (step.cost_ns() * share * 1e5) as u64;
+            let done = self.done_cost.fetch_add(add, Ordering::Relaxed) + add;
+            progress((done as f32 * 1e-5 / self.total_cost).min(1.0), &step.name);
+        }
+    }
+
+    fn stage(&mut self, stage: &Stage) -> Result<(), Cancelled> {
+        if self.control.cancelled() {
+            return Err(Cancelled);
+        }
+        for &s in stage.whole.iter().chain(&stage.rows) {
+            let prepared = self.watch.time(s, || self.plan.steps[s].node.prepare(&self.cx(s)));
+            self.prepared[s] = prepared;
+        }
+        for &s in &stage.whole {
+            self.whole(s);
+            if self.control.cancelled() {
+                return Err(Cancelled);
+            }
+        }
+        if !stage.rows.is_empty() {
+            self.rows(stage)?;
+        }
+        for &s in stage.whole.iter().chain(&stage.rows) {
+            self.prepared[s] = None;
+        }
+        for &lane in &stage.frees {
+            if let Some(plane) = self.planes[lane].take() {
+                self.pool.push(plane.into_vec());
+            }
+        }
+        Ok(())
+    }
+
+    fn whole(&mut self, s: usize) {
+        let step = &self.plan.steps[s];
+        let (width, height) = (self.plan.domain.width, self.plan.domain.height);
+        let constants = ConstantRows::of(std::iter::once(step), width);
+        for pass in &step.passes {
+            let mut outputs: Vec<Option<Plane>> =
+                pass.outputs.iter().map(|id| id.map(|_| self.take_plane())).collect();
+            let lanes: Vec<Rows<'_>> = pass
+                .inputs
+                .iter()
+                .map(|source| match source {
+                    LaneSource::Const(v) => constants.get(*v),
+                    LaneSource::Lane(id) => plane(&self.planes, *id).rows(),
+                })
+                .collect();
+            let slices = outputs.iter_mut().map(|p| p.as_mut().map(|p| p.data_mut())).collect();
+            let mut outs = Outputs::new(&step.output_offsets, slices, width, 0);
+            self.watch.time(s, || {
+                let ins = Inputs::new(&step.input_offsets, &lanes);
+                step.node.eval(&self.cx(s), 0..height as i64, &ins, &mut outs);
+            });
+            for (id, output) in pass.outputs.iter().zip(outputs) {
+                if let Some(id) = id {
+                    self.planes[*id] = output;
+                }
+            }
+        }
+        self.report(step, 1.0);
+    }
+
+    fn rows(&mut self, stage: &Stage) -> Result<(), Cancelled> {
+        let (width, height) = (self.plan.domain.width, self.plan.domain.height);
+        let steps = || stage.rows.iter().map(|&s| &self.plan.steps[s]);
+        let constants = ConstantRows::of(steps(), width);
+
+        // The planes this stage writes, cut into bands.
+        let ids: Vec<usize> = steps()
+            .flat_map(|s| &s.passes)
+            .flat_map(|p| &p.outputs)
+            .filter_map(|id| *id)
+            .filter(|&id| self.plan.homes[id] == Home::Plane)
+            .collect();
+        let mut written: Vec<Plane> = ids.iter().map(|_| self.take_plane()).collect();
+        // Where a lane's band stands in a band's list of slices.
+        let slot_of: BTreeMap<usize, usize> = ids.iter().enumerate().map(|(i, &id)| (id, i)).collect();
+        let band_len = stage.band_rows * width;
+        let bands = height.div_ceil(stage.band_rows);
+        let mut by_band: Vec<Vec<&mut [f32]>> = (0..bands).map(|_| Vec::with_capacity(ids.len())).collect();
+        for plane in &mut written {
+            for (band, chunk) in by_band.iter_mut().zip(plane.data_mut().chunks_mut(band_len)) {
+                band.push(chunk);
+            }
+        }
+
+        let this = &*self;
+        by_band.into_par_iter().enumerate().for_each_init(
+            || vec![vec![0.0f32; band_len]; stage.scratch_slots],
+            |scratch, (band, mut own)| {
+                if this.control.cancelled() {
+                    return;
+                }
+                let first = band * stage.band_rows;
+                let rows = stage.band_rows.min(height - first);
+                for &s in &stage.rows {
+                    this.band(s, first, rows, &constants, &slot_of, &mut own, scratch);
+                    this.report(&this.plan.steps[s], rows as f32 / height as f32);
+                }
+            },
+        );
+        if self.control.cancelled() {
+            return Err(Cancelled);
+        }
+        for (id, plane) in ids.into_iter().zip(written) {
+            self.planes[id] = Some(plane);
+        }
+        Ok(())
+    }
+
+    /// One step on one band.
+    #[expect(clippy::too_many_arguments, reason = "a band's whole state, used here only")]
+    fn band(
+        &self,
+        s: usize,
+        first: usize,
+        rows: usize,
+        constants: &ConstantRows,
+        slot_of: &BTreeMap<usize, usize>,
+        own: &mut [&mut [f32]],
+        scratch: &mut [Vec<f32>],
+    ) {
+        let (width, height) = (self.plan.domain.width, self.plan.domain.height);
+        let step = &self.plan.steps[s];
+        let len = rows * width;
+        for pass in &step.passes {
+            // Outputs leave their lists while the inputs are borrowed from the rest.
+            let mut taken_scratch: Vec<Vec<f32>> = Vec::new();
+            let mut taken_own: Vec<&mut [f32]> = Vec::new();
+            for id in pass.outputs.iter().flatten() {
+                match self.plan.homes[*id] {
+                    Home::Scratch(slot) => taken_scratch.push(std::mem::take(&mut scratch[slot])),
+                    Home::Plane => taken_own.push(std::mem::take(&mut own[slot_of[id]])),
+                }
+            }
+            let lanes: Vec<Rows<'_>> = pass
+                .inputs
+                .iter()
+                .map(|source| match source {
+                    LaneSource::Const(v) => constants.get(*v),
+                    LaneSource::Lane(id) => match (self.plan.homes[*id], slot_of.get(id)) {
+                        (Home::Scratch(slot), _) => {
+                            Rows::window(&scratch[slot][..len], width, height, first as i64)
+                        }
+                        (Home::Plane, Some(&slot)) => {
+                            Rows::window(&own[slot][..len], width, height, first as i64)
+                        }
+                        (Home::Plane, None) => plane(&self.planes, *id).rows(),
+                    },
+                })
+                .collect();
+            let (mut next_scratch, mut next_own) = (taken_scratch.iter_mut(), taken_own.iter_mut());
+            let slices = pass
+                .outputs
+                .iter()
+                .map(|id| {
+                    id.map(|id| match self.plan.homes[id] {
+                        Home::Scratch(_) => next_scratch.next().map(|v| &mut v[..len]),
+                        Home::Plane => next_own.next().map(|v| &mut v[..len]),
+                    })
+                    .flatten()
+                })
+                .collect();
+            let mut outs = Outputs::new(&step.output_offsets, slices, width, first as i64);
+            self.watch.time(s, || {
+                let ins = Inputs::new(&step.input_offsets, &lanes);
+                step.node.eval(&self.cx(s), first as i64..(first + rows) as i64, &ins, &mut outs);
+            });
+            let (mut back_scratch, mut back_own) = (taken_scratch.into_iter(), taken_own.into_iter());
+            for id in pass.outputs.iter().flatten() {
+                match self.plan.homes[*id] {
+                    Home::Scratch(slot) => scratch[slot] = back_scratch.next().unwrap_or_default(),
+                    Home::Plane => own[slot_of[id]] = back_own.next().unwrap_or_default(),
+                }
+            }
+        }
+    }
+
+    fn finish(mut self) -> Evaluation {
+        let (w, h) = (self.plan.domain.width, self.plan.domain.height);
+        let mut maps = BTreeMap::new();
+        // Two maps may show the same lane: the last one takes the plane, earlier ones a copy.
+        let mut readers: BTreeMap<usize, usize> = BTreeMap::new();
+        for source in self.plan.maps.values().flat_map(|m| &m.lanes) {
+            if let LaneSource::Lane(id) = source {
+                *readers.entry(*id).or_default() += 1;
+            }
+        }
+        for (&kind, map) in &self.plan.maps {
+            let mut planes = Vec::new();
+            for source in &map.lanes {
+                planes.push(match source {
+                    LaneSource::Const(v) => Plane::filled(w, h, *v),
+                    LaneSource::Lane(id) => {
+                        let left = readers.get_mut(id);
+                        let last = left.is_none_or(|n| {
+                            *n -= 1;
+                            *n == 0
+                        });
+                        let plane = if last { self.planes[*id].take() } else { self.planes[*id].clone() };
+                        plane.expect("a map's lane is a plane and was written")
+                    }
+                });
+            }
+            maps.insert(kind, MapPlanes { planes, range: map.range });
+        }
+        Evaluation { maps, trace: self.watch.trace(&self.plan.steps) }
+    }
+}
+
+fn plane(planes: &[Option<Plane>], id: usize) -> &Plane {
+    planes[id].as_ref().expect("a lane is read after it was written and before it is freed")
+}

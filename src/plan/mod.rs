@@ -1,0 +1,233 @@
+//! WHAT IS NEEDED: live steps in order, fused into stages, with buffers and bytes known before they are spent.
+//!
+//! From a [`Graph`], the wanted maps and a [`Domain`]:
+//! 1. [`live`](lower): walk back from the wanted maps; what is not reached is never planned. Forwarding nodes
+//!    (`switch`) vanish, equal sub-graphs are planned once, constant sub-graphs fold to a number.
+//! 2. [`stages`](stage): steps that can share a pass over bands of rows run in one stage; values that live only
+//!    inside it stay in scratch that fits the cache and never become planes.
+
+mod lower;
+mod stage;
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use crate::base::{Domain, MapKind};
+use crate::graph::Graph;
+use crate::node::{Assets, Node, Reach};
+
+/// Index of a lane: one plane's worth of values.
+pub type LaneId = usize;
+
+/// What one lane of an input reads.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum LaneSource {
+    /// The same value everywhere.
+    Const(f32),
+    /// A lane of an earlier step.
+    Lane(LaneId),
+}
+
+/// One call of a node: its inputs and outputs, lane by lane.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Pass {
+    /// Input lanes, flattened.
+    pub inputs: Vec<LaneSource>,
+    /// Output lanes, flattened; `None` where nobody reads it.
+    pub outputs: Vec<Option<LaneId>>,
+}
+
+/// One live node.
+#[derive(Clone, Debug)]
+pub struct Step {
+    /// Index of the node in the graph.
+    pub node_index: usize,
+    /// The node's name.
+    pub name: String,
+    /// Operation and settings.
+    pub node: Arc<dyn Node>,
+    /// The node's seed.
+    pub seed: u32,
+    /// How far it reads.
+    pub reach: Reach,
+    /// Offsets of its inputs in a pass's lanes, one past the last included.
+    pub input_offsets: Vec<usize>,
+    /// Offsets of its outputs in a pass's lanes, one past the last included.
+    pub output_offsets: Vec<usize>,
+    /// One call, or one per colour channel.
+    pub passes: Vec<Pass>,
+}
+
+impl Step {
+    /// Estimated cost of the step on one thread, ns per texel.
+    pub fn cost_ns(&self) -> f32 {
+        self.node.cost_ns() * self.passes.len() as f32
+    }
+}
+
+/// Steps that run together.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Stage {
+    /// Whole-plane steps, run one after another.
+    pub whole: Vec<usize>,
+    /// Row-wise steps, run fused over bands of rows.
+    pub rows: Vec<usize>,
+    /// Rows in a band.
+    pub band_rows: usize,
+    /// Scratch slots a band needs.
+    pub scratch_slots: usize,
+    /// Lanes whose planes are given back after this stage.
+    pub frees: Vec<LaneId>,
+}
+
+/// Where a lane lives.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Home {
+    /// A plane, because a later stage, a neighbourhood or a map reads it.
+    Plane,
+    /// A scratch slot of its stage's bands.
+    Scratch(usize),
+}
+
+/// A wanted map.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MapPlan {
+    /// Its channels.
+    pub lanes: Vec<LaneSource>,
+    /// Physical values that integer files map to 0 and 1.
+    pub range: [f32; 2],
+}
+
+/// What will be done, and what it will take.
+#[derive(Clone, Debug)]
+pub struct Plan {
+    /// The grid.
+    pub domain: Domain,
+    /// Live steps, in order.
+    pub steps: Vec<Step>,
+    /// The order they run in.
+    pub stages: Vec<Stage>,
+    /// Home of every lane.
+    pub homes: Vec<Home>,
+    /// Wanted maps.
+    pub maps: BTreeMap<MapKind, MapPlan>,
+    /// Greatest number of planes alive at once, times their size, plus scratch: bytes.
+    pub peak_bytes: u64,
+    /// Image files.
+    pub assets: Assets,
+}
+
+/// Why there is no plan.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum PlanError {
+    /// The preset does not define a wanted map.
+    #[error("preset {preset} has no map `{map}`; it has: {has}")]
+    NoSuchMap {
+        /// Name of the preset.
+        preset: String,
+        /// The map.
+        map: MapKind,
+        /// The maps that there are, comma-separated.
+        has: String,
+    },
+    /// The domain has no texels or too many.
+    #[error("a map of {width} x {height} texels cannot be made: each side must be 1 to {max}")]
+    Size {
+        /// Texels around.
+        width: usize,
+        /// Texels along.
+        height: usize,
+        /// Greatest side.
+        max: usize,
+    },
+    /// The plan needs more memory than it may use.
+    #[error("the plan needs {} and may use {}", mib(*need), mib(*budget))]
+    Memory {
+        /// Bytes needed.
+        need: u64,
+        /// Bytes allowed.
+        budget: u64,
+    },
+}
+
+fn mib(bytes: u64) -> String {
+    format!("{:.0} MiB", bytes as f64 / f64::from(1 << 20))
+}
+
+impl Plan {
+    /// Plan the wanted maps; `budget` is in bytes.
+    ///
+    /// # Errors
+    /// [`PlanError`]: a map that the preset lacks, an impossible size, or more memory than `budget`.
+    pub fn new(
+        graph: &Graph,
+        wanted: &[MapKind],
+        domain: Domain,
+        budget: Option<u64>,
+    ) -> Result<Self, PlanError> {
+        let max = crate::base::domain::MAX_SIDE;
+        if domain.width == 0 || domain.height == 0 || domain.width > max || domain.height > max {
+            return Err(PlanError::Size { width: domain.width, height: domain.height, max });
+        }
+        for &map in wanted {
+            if !graph.maps.contains_key(&map) {
+                let has: Vec<&str> = graph.maps.keys().map(|m| m.name()).collect();
+                return Err(PlanError::NoSuchMap { preset: graph.name.clone(), map, has: has.join(", ") });
+            }
+        }
+        let lowered = lower::lower(graph, wanted, &domain);
+        let plan = stage::stage(lowered, domain, graph.assets.clone());
+        match budget {
+            Some(budget) if plan.peak_bytes > budget => {
+                Err(PlanError::Memory { need: plan.peak_bytes, budget })
+            }
+            _ => Ok(plan),
+        }
+    }
+
+    /// Estimated time on one thread, ms.
+    pub fn cost_ms(&self) -> f64 {
+        let ns: f64 = self.steps.iter().map(|s| f64::from(s.cost_ns())).sum();
+        ns * self.domain.texels() as f64 * 1e-6
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::graph::{MapDraft, Sketch, resolve};
+    use crate::node::combine::Mix;
+    use crate::node::draft::{Draft, Wire};
+    use crate::node::generate::Constant;
+
+    fn sketch(build: impl FnOnce(&mut Draft) -> Vec<(MapKind, Wire)>) -> Graph {
+        let mut draft = Draft::default();
+        let maps = build(&mut draft)
+            .into_iter()
+            .map(|(kind, wire)| (kind, MapDraft { wire, range: [0.0, 1.0], span: None }))
+            .collect();
+        let sketch = Sketch { name: "test".into(), seed: 1, size_mm: [10.0, 10.0], draft, maps };
+        resolve(&sketch).expect("a sound graph")
+    }
+
+    #[test]
+    fn constants_fold_to_no_steps_and_keep_their_value() {
+        let graph = sketch(|d| {
+            let a = d.add("a", Constant {}, &[("value", 0.25.into())]);
+            let m = d.add("m", Mix {}, &[("a", a), ("b", 0.75.into()), ("mask", 0.5.into())]);
+            vec![(MapKind::Height, m)]
+        });
+        let plan = Plan::new(&graph, &[MapKind::Height], Domain::square(8), None).expect("a plan");
+        assert!(plan.steps.is_empty());
+        assert_eq!(plan.maps[&MapKind::Height].lanes, [LaneSource::Const(0.5)]);
+    }
+
+    #[test]
+    fn sizes_and_budgets_are_refused_with_their_numbers() {
+        let graph = sketch(|d| vec![(MapKind::Height, d.add("a", Constant {}, &[]))]);
+        let domain = Domain { width: 0, ..Domain::square(8) };
+        assert!(matches!(Plan::new(&graph, &[], domain, None), Err(PlanError::Size { width: 0, .. })));
+        let missing = Plan::new(&graph, &[MapKind::Color], Domain::square(8), None);
+        assert!(matches!(missing, Err(PlanError::NoSuchMap { map: MapKind::Color, .. })));
+    }
+}

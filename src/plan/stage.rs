@@ -1,0 +1,200 @@
+//! Steps to stages: what can share a pass over memory, where every lane lives, and the bytes that takes.
+
+use super::lower::Lowered;
+use super::{Home, LaneId, LaneSource, MapPlan, Plan, Stage, Step};
+use crate::base::Domain;
+use crate::node::{Assets, Reach};
+
+/// Scratch of one band, bytes: half of a small L2 cache.
+const BAND_BYTES: usize = 512 << 10;
+/// Rows of a band at most, so that small maps still spread over threads.
+const BAND_ROWS: usize = 32;
+
+pub(super) fn stage(lowered: Lowered, domain: Domain, assets: Assets) -> Plan {
+    let Lowered { steps, maps, lanes } = lowered;
+    let producer = producers(&steps, lanes);
+    let stage_of = assign(&steps, &producer);
+    let count = stage_of.iter().map(|s| s + 1).max().unwrap_or(0);
+
+    let mut homes = home_planes(&steps, &maps, &producer, &stage_of);
+    let mut stages = Vec::with_capacity(count);
+    for k in 0..count {
+        let members: Vec<usize> = (0..steps.len()).filter(|&s| stage_of[s] == k).collect();
+        let (whole, rows): (Vec<_>, Vec<_>) =
+            members.into_iter().partition(|&s| steps[s].reach == Reach::Whole);
+        let scratch_slots = assign_scratch(&steps, &rows, &mut homes);
+        stages.push(Stage {
+            band_rows: band_rows(&domain, scratch_slots),
+            whole,
+            rows,
+            scratch_slots,
+            frees: Vec::new(),
+        });
+    }
+    free_after_last_read(&steps, &maps, &homes, &stage_of, &mut stages);
+    let peak_bytes = peak_bytes(&steps, &homes, &stages, &domain);
+    Plan { domain, steps, stages, homes, maps, peak_bytes, assets }
+}
+
+fn band_rows(domain: &Domain, slots: usize) -> usize {
+    let row_bytes = domain.width * 4 * slots.max(1);
+    (BAND_BYTES / row_bytes).clamp(1, BAND_ROWS)
+}
+
+fn lanes_read(step: &Step) -> impl Iterator<Item = LaneId> + '_ {
+    step.passes.iter().flat_map(|p| &p.inputs).filter_map(|source| match source {
+        LaneSource::Lane(id) => Some(*id),
+        LaneSource::Const(_) => None,
+    })
+}
+
+fn lanes_written(step: &Step) -> impl Iterator<Item = LaneId> + '_ {
+    step.passes.iter().flat_map(|p| &p.outputs).filter_map(|id| *id)
+}
+
+fn producers(steps: &[Step], lanes: usize) -> Vec<usize> {
+    let mut producer = vec![usize::MAX; lanes];
+    for (s, step) in steps.iter().enumerate() {
+        for lane in lanes_written(step) {
+            producer[lane] = s;
+        }
+    }
+    producer
+}
+
+/// Whether `reader` can run in the stage of `writer`: both row-wise, and the reader looks at its own texel only.
+fn fusable(writer: &Step, reader: &Step) -> bool {
+    writer.reach != Reach::Whole && reader.reach == Reach::Point
+}
+
+/// As early as possible for what maps read directly, as late as possible for the rest: fewer planes stay alive.
+fn assign(steps: &[Step], producer: &[usize]) -> Vec<usize> {
+    let mut earliest = vec![0usize; steps.len()];
+    for (s, step) in steps.iter().enumerate() {
+        for lane in lanes_read(step) {
+            let writer = producer[lane];
+            let gap = usize::from(!fusable(&steps[writer], step));
+            earliest[s] = earliest[s].max(earliest[writer] + gap);
+        }
+    }
+    let mut latest = vec![usize::MAX; steps.len()];
+    for s in (0..steps.len()).rev() {
+        if latest[s] == usize::MAX {
+            latest[s] = earliest[s];
+        }
+        for lane in lanes_read(&steps[s]) {
+            let writer = producer[lane];
+            let gap = usize::from(!fusable(&steps[writer], &steps[s]));
+            latest[writer] = latest[writer].min(latest[s] - gap);
+        }
+    }
+    latest
+}
+
+/// Lanes that must be planes; the others get a provisional scratch slot.
+fn home_planes(
+    steps: &[Step],
+    maps: &std::collections::BTreeMap<crate::base::MapKind, MapPlan>,
+    producer: &[usize],
+    stage_of: &[usize],
+) -> Vec<Home> {
+    let mut homes = vec![Home::Scratch(usize::MAX); producer.len()];
+    for map in maps.values() {
+        for source in &map.lanes {
+            if let LaneSource::Lane(id) = source {
+                homes[*id] = Home::Plane;
+            }
+        }
+    }
+    for (s, step) in steps.iter().enumerate() {
+        for lane in lanes_read(step) {
+            if stage_of[producer[lane]] != stage_of[s] {
+                homes[lane] = Home::Plane;
+            }
+        }
+        if step.reach == Reach::Whole {
+            for lane in lanes_written(step) {
+                homes[lane] = Home::Plane;
+            }
+        }
+    }
+    homes
+}
+
+/// Give every scratch lane of a stage a slot, reusing slots after their last reader; returns the slots used.
+fn assign_scratch(steps: &[Step], rows: &[usize], homes: &mut [Home]) -> usize {
+    let mut last_reader = vec![0usize; homes.len()];
+    for &s in rows {
+        for lane in lanes_read(&steps[s]) {
+            last_reader[lane] = s;
+        }
+    }
+    let mut free: Vec<usize> = Vec::new();
+    let mut slots = 0;
+    for &s in rows {
+        for lane in lanes_written(&steps[s]) {
+            if let Home::Scratch(_) = homes[lane] {
+                let slot = free.pop().unwrap_or_else(|| {
+                    slots += 1;
+                    slots - 1
+                });
+                homes[lane] = Home::Scratch(slot);
+            }
+        }
+        // Slots are given back only now, so that no output shares a slot with an input of its step.
+        let mut done: Vec<LaneId> = lanes_read(&steps[s]).filter(|&lane| last_reader[lane] == s).collect();
+        done.sort_unstable();
+        done.dedup();
+        for lane in done {
+            if let Home::Scratch(slot) = homes[lane] {
+                if slot != usize::MAX {
+                    free.push(slot);
+                }
+            }
+        }
+    }
+    slots
+}
+
+fn free_after_last_read(
+    steps: &[Step],
+    maps: &std::collections::BTreeMap<crate::base::MapKind, MapPlan>,
+    homes: &[Home],
+    stage_of: &[usize],
+    stages: &mut [Stage],
+) {
+    let mut last = vec![None; homes.len()];
+    for (s, step) in steps.iter().enumerate() {
+        for lane in lanes_read(step) {
+            last[lane] = last[lane].max(Some(stage_of[s]));
+        }
+    }
+    for map in maps.values() {
+        for source in &map.lanes {
+            if let LaneSource::Lane(id) = source {
+                last[*id] = None;
+            }
+        }
+    }
+    for (lane, stage) in last.into_iter().enumerate() {
+        if let (Some(stage), Home::Plane) = (stage, homes[lane]) {
+            stages[stage].frees.push(lane);
+        }
+    }
+}
+
+fn peak_bytes(steps: &[Step], homes: &[Home], stages: &[Stage], domain: &Domain) -> u64 {
+    let plane = 4 * domain.texels() as u64;
+    let (mut alive, mut peak) = (0u64, 0u64);
+    for stage in stages {
+        for &s in stage.whole.iter().chain(&stage.rows) {
+            alive += lanes_written(&steps[s]).filter(|&l| homes[l] == Home::Plane).count() as u64;
+        }
+        // A whole-plane step may need as much again as it reads, for its own work.
+        let own = stage.whole.iter().map(|&s| 1 + lanes_read(&steps[s]).count() as u64).max().unwrap_or(0);
+        let scratch = (stage.scratch_slots * stage.band_rows * domain.width * 4) as u64;
+        peak = peak.max((alive + own) * plane + scratch);
+        alive -= stage.frees.len() as u64;
+    }
+    peak
+}
