@@ -10,3 +10,4 @@ pub mod maps;
 pub mod node;
 pub mod plan;
 pub mod preset;
+pub mod skin;
