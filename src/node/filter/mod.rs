@@ -1,5 +1,54 @@
-//! filter nodes.
+//! Filters: an image from an image, at a texel or around it.
+//!
+//! | Files | What they share |
+//! | --- | --- |
+//! | `levels`, `curve`, `histogram_scan`, `clamp`, `invert`, `threshold` | texel by texel |
+//! | `gaussian_blur`, `box_blur` | `separable`: two one-dimensional passes |
+//! | `normalise` | the range of the whole plane |
+//!
+//! Lengths are fractions of the tile's shorter physical side or mm; angles are degrees, 0 around the body (+u) and
+//! 90 tail-ward (+v).
+
+mod box_blur;
+mod clamp;
+mod curve;
+mod gaussian_blur;
+mod histogram_scan;
+mod invert;
+mod levels;
+mod normalise;
+mod separable;
+#[cfg(test)]
+mod testing;
+mod threshold;
+
 use super::Op;
 
+pub use box_blur::BoxBlur;
+pub use clamp::Clamp;
+pub use curve::{Curve, Interpolation};
+pub use gaussian_blur::GaussianBlur;
+pub use histogram_scan::HistogramScan;
+pub use invert::Invert;
+pub use levels::Levels;
+pub use normalise::Normalise;
+pub use threshold::{Edge, Threshold};
+
 /// The operations of this category.
-pub const OPS: &[Op] = &[];
+pub const OPS: &[Op] = &[
+    Op::of::<Levels>(),
+    Op::of::<Curve>(),
+    Op::of::<HistogramScan>(),
+    Op::of::<Threshold>(),
+    Op::of::<Clamp>(),
+    Op::of::<Invert>(),
+    Op::of::<Normalise>(),
+    Op::of::<GaussianBlur>(),
+    Op::of::<BoxBlur>(),
+];
+
+/// Infinity (an overflow of finite values) as the greatest finite value of its sign.
+#[inline(always)]
+fn finite(x: f32) -> f32 {
+    x.max(f32::MIN).min(f32::MAX)
+}
