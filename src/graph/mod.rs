@@ -1,6 +1,8 @@
 //! MEANING: a graph with every name resolved, every default filled and every kind checked.
 
 mod build;
+mod print;
+pub mod read;
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -9,6 +11,8 @@ use crate::base::MapKind;
 use crate::node::{Assets, Kind, Node, OutputKind};
 
 pub use build::{BuildError, MapDraft, Sketch, resolve};
+pub use print::to_toml;
+pub use read::build;
 
 /// An output of a node: indices into [`Graph::nodes`] and into its spec's outputs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -111,3 +115,6 @@ impl Graph {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;
