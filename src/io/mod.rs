@@ -1,1 +1,30 @@
-//! FILES.
+//! FILES: texture sets to PNG and OpenEXR with a manifest, whole or not at all; image files as inputs.
+//!
+//! | Item | What it is |
+//! | --- | --- |
+//! | [`write_set`], [`SetWriter`] | a set into a directory, at once or map by map |
+//! | [`WriteOptions`], [`NameTemplate`] | which files, how named, how encoded, whether read back |
+//! | [`Manifest`], [`verify_dir`] | what a directory holds, and whether it still does |
+//! | [`read_image`], [`load_assets`] | PNG and OpenEXR files as inputs of a graph |
+//! | [`IoError`] | a path and what is wrong with it |
+//!
+//! Bytes depend on the set, the options and the version, never on threads, time, path or machine.
+
+mod atomic;
+mod error;
+mod exr;
+mod manifest;
+mod names;
+mod png;
+mod read;
+mod write;
+
+pub use error::{IoError, Problem};
+pub use exr::{ExrCompression, ExrOptions, ExrSample};
+pub use manifest::{
+    Encoding, FILE_NAME, FORMAT, FileCheck, FileFormat, FileStatus, Manifest, ManifestEntry, MapRecord,
+    SampleKind, SetRecord, VerifyReport, verify_dir,
+};
+pub use names::{NameError, NameTemplate};
+pub use read::{MAX_SAMPLES, load_assets, read_image};
+pub use write::{Output, SetWriter, Staged, WriteOptions, write_set};
