@@ -4,6 +4,8 @@
 //! | --- | --- |
 //! | `levels`, `curve`, `histogram_scan`, `clamp`, `invert`, `threshold` | texel by texel |
 //! | `gaussian_blur`, `box_blur` | `separable`: two one-dimensional passes |
+//! | `edge_detect` | three rows |
+//! | `distance`, `outline`, `morphology` | `edt`: distance on the torus |
 //! | `normalise` | the range of the whole plane |
 //!
 //! Lengths are fractions of the tile's shorter physical side or mm; angles are degrees, 0 around the body (+u) and
@@ -12,11 +14,16 @@
 mod box_blur;
 mod clamp;
 mod curve;
+mod distance;
+mod edge_detect;
+mod edt;
 mod gaussian_blur;
 mod histogram_scan;
 mod invert;
 mod levels;
+mod morphology;
 mod normalise;
+mod outline;
 mod separable;
 #[cfg(test)]
 mod testing;
@@ -27,11 +34,16 @@ use super::Op;
 pub use box_blur::BoxBlur;
 pub use clamp::Clamp;
 pub use curve::{Curve, Interpolation};
+pub use distance::Distance;
+pub use edge_detect::{EdgeDetect, Measure, Operator};
+pub use edt::LengthUnit;
 pub use gaussian_blur::GaussianBlur;
 pub use histogram_scan::HistogramScan;
 pub use invert::Invert;
 pub use levels::Levels;
+pub use morphology::{Dilate, Erode};
 pub use normalise::Normalise;
+pub use outline::{Outline, Placement};
 pub use threshold::{Edge, Threshold};
 
 /// The operations of this category.
@@ -45,6 +57,11 @@ pub const OPS: &[Op] = &[
     Op::of::<Normalise>(),
     Op::of::<GaussianBlur>(),
     Op::of::<BoxBlur>(),
+    Op::of::<EdgeDetect>(),
+    Op::of::<Distance>(),
+    Op::of::<Outline>(),
+    Op::of::<Dilate>(),
+    Op::of::<Erode>(),
 ];
 
 /// Infinity (an overflow of finite values) as the greatest finite value of its sign.
