@@ -26,11 +26,29 @@ impl ParamError {
 /// and the length of every array against `minItems` and `maxItems`; also refuse numbers that are not finite.
 pub fn check_ranges(schema: &Schema, settings: &toml::Table) -> Vec<ParamError> {
     let mut check = Check { root: schema.as_value(), errors: Vec::new() };
-    let schemas = check.resolve(schema.as_value());
+    let schemas = alternatives(check.root, schema.as_value());
     for (key, value) in settings {
         check.value(key, &check.property(&schemas, key), value, "");
     }
     check.errors
+}
+
+/// The plain schemas that `schema`, a part of `root`, may stand for: references followed, alternatives side by side.
+pub fn alternatives<'a>(root: &'a Value, schema: &'a Value) -> Vec<&'a Value> {
+    let mut found = Vec::new();
+    let mut open = vec![schema];
+    // A schema may refer to itself; no honest one refers so often.
+    for _ in 0..256 {
+        let Some(next) = open.pop() else { break };
+        found.push(next);
+        if let Some(target) = next.get("$ref").and_then(Value::as_str) {
+            open.extend(target.strip_prefix('#').and_then(|p| root.pointer(p)));
+        }
+        for word in ["anyOf", "oneOf", "allOf"] {
+            open.extend(next.get(word).and_then(Value::as_array).into_iter().flatten().rev());
+        }
+    }
+    found
 }
 
 struct Check<'a> {
@@ -39,31 +57,13 @@ struct Check<'a> {
 }
 
 impl<'a> Check<'a> {
-    /// The plain schemas that `schema` may stand for: references followed, alternatives side by side.
-    fn resolve(&self, schema: &'a Value) -> Vec<&'a Value> {
-        let mut found = Vec::new();
-        let mut open = vec![schema];
-        // A schema may refer to itself; no honest one refers so often.
-        for _ in 0..256 {
-            let Some(next) = open.pop() else { break };
-            found.push(next);
-            if let Some(target) = next.get("$ref").and_then(Value::as_str) {
-                open.extend(target.strip_prefix('#').and_then(|p| self.root.pointer(p)));
-            }
-            for word in ["anyOf", "oneOf", "allOf"] {
-                open.extend(next.get(word).and_then(Value::as_array).into_iter().flatten());
-            }
-        }
-        found
-    }
-
     /// What `schemas` say of the key of a table.
     fn property(&self, schemas: &[&'a Value], key: &str) -> Vec<&'a Value> {
         let named = schemas.iter().filter_map(|s| s.get("properties")?.get(key));
-        let mut found: Vec<&Value> = named.flat_map(|s| self.resolve(s)).collect();
+        let mut found: Vec<&Value> = named.flat_map(|s| alternatives(self.root, s)).collect();
         if found.is_empty() {
             let other = schemas.iter().filter_map(|s| s.get("additionalProperties"));
-            found = other.flat_map(|s| self.resolve(s)).collect();
+            found = other.flat_map(|s| alternatives(self.root, s)).collect();
         }
         found
     }
@@ -71,7 +71,7 @@ impl<'a> Check<'a> {
     /// What `schemas` say of the item of an array.
     fn item(&self, schemas: &[&'a Value], index: usize) -> Vec<&'a Value> {
         let of = |s: &&'a Value| s.get("prefixItems").and_then(|p| p.get(index)).or_else(|| s.get("items"));
-        schemas.iter().filter_map(of).flat_map(|s| self.resolve(s)).collect()
+        schemas.iter().filter_map(of).flat_map(|s| alternatives(self.root, s)).collect()
     }
 
     fn value(&mut self, path: &str, schemas: &[&'a Value], value: &toml::Value, unit: &'a str) {

@@ -1,8 +1,11 @@
 //! MEANING: a graph with every name resolved, every default filled and every kind checked.
 
 mod build;
+pub mod dot;
 mod print;
 pub mod read;
+pub mod reference;
+pub mod schema;
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -11,8 +14,10 @@ use crate::base::MapKind;
 use crate::node::{Assets, Kind, Node, OutputKind};
 
 pub use build::{BuildError, MapDraft, Sketch, resolve};
+pub use dot::{needed_by, to_dot, to_json, to_mermaid};
 pub use print::to_toml;
 pub use read::build;
+pub use schema::schema;
 
 /// An output of a node: indices into [`Graph::nodes`] and into its spec's outputs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]

@@ -194,3 +194,38 @@ fn a_node_of_the_anatomy_is_replaced_or_changed_by_name() {
     assert_eq!((op, duty), ("stripes", Source::Scalar(0.5)));
     assert_ne!(replaced["count"], made["count"]);
 }
+
+#[test]
+fn pictures_mark_what_each_map_needs() {
+    let graph = graph(&format!("{PRESET}\n[nodes.unread]\nop = 'disc'"));
+    let words = |wanted: &[MapKind]| -> Vec<String> {
+        let join = |maps: &std::collections::BTreeSet<MapKind>| {
+            maps.iter().map(|m| m.name()).collect::<Vec<_>>().join(" ")
+        };
+        graph
+            .nodes
+            .iter()
+            .zip(needed_by(&graph, wanted))
+            .map(|(n, m)| format!("{}: {}", n.name, join(&m)))
+            .collect()
+    };
+    assert_eq!(
+        words(&[MapKind::Color, MapKind::Height]),
+        ["bands: color height", "spot: color height", "skin: color", "both: color", "unread: "]
+    );
+    assert_eq!(words(&[MapKind::Height])[2], "skin: ");
+    let dot = to_dot(&graph, &[MapKind::Height]);
+    assert!(dot.contains("n0 -> n1 [taillabel=\"phase\", headlabel=\"du\"];"), "{dot}");
+    assert!(dot.contains("n2 [label=\"skin\\nmix\", tooltip=\"\", style=dashed"), "{dot}");
+    assert!(dot.contains("n1 -> map_height;"), "{dot}");
+    let mermaid = to_mermaid(&graph, &[MapKind::Height]);
+    assert!(
+        mermaid.contains("n4[\"unread · disc\"]:::dead")
+            && mermaid.contains("n1 --> map_height([\"height\"])"),
+        "{mermaid}"
+    );
+    let json = to_json(&graph, &[MapKind::Height]);
+    assert_eq!(json["nodes"][0]["needed_by"], serde_json::json!(["height"]));
+    assert_eq!(json["nodes"][1]["inputs"]["du"], "bands.phase");
+    assert_eq!(json["maps"]["height"]["from"], "spot.distance");
+}
