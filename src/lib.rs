@@ -2,6 +2,8 @@
 #![warn(unreachable_pub)]
 
 pub mod base;
+#[cfg(feature = "cli")]
+pub mod cli;
 pub mod eval;
 pub mod graph;
 #[cfg(feature = "files")]

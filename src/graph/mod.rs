@@ -2,6 +2,8 @@
 
 mod build;
 pub mod dot;
+mod from_document;
+mod hash;
 mod print;
 pub mod read;
 pub mod reference;
@@ -15,6 +17,8 @@ use crate::node::{Assets, Kind, Node, OutputKind};
 
 pub use build::{BuildError, MapDraft, Sketch, resolve};
 pub use dot::{needed_by, to_dot, to_json, to_mermaid};
+pub use from_document::{ABOUT, about, from_document};
+pub use hash::preset_hash;
 pub use print::to_toml;
 pub use read::build;
 pub use schema::schema;

@@ -2,6 +2,7 @@
 //!
 //! | Key | Meaning |
 //! | --- | --- |
+//! | `name`, `common_name`, `description` | what it is called; nothing that it makes depends on them |
 //! | `seed` | the individual, a whole number |
 //! | `[tile]` | `girth_mm`, `length_mm`: the tile's physical size, where the anatomy does not give it |
 //! | `[nodes.NAME]` | a node: `op`, its inputs and its settings; replaces the anatomy's node of that name. Without `op` it changes only the keys it names |
@@ -13,6 +14,7 @@ use std::collections::BTreeMap;
 
 use super::Graph;
 use super::build::{BuildError, MapDraft, Sketch, resolve};
+use super::from_document::{self, ABOUT};
 use crate::base::{LinearRgb, MapKind, Srgb8};
 use crate::node::draft::{Draft, InputDraft, NodeDraft, Wire};
 use crate::node::{self, Op};
@@ -52,13 +54,13 @@ impl Default for Tile {
 pub fn build(document: &Document) -> Result<(Graph, Vec<Diagnostic>), PresetError> {
     let mut diagnostics = Diagnostics::new();
     let mut sketch = Sketch {
-        name: document.name.clone(),
+        name: from_document::name(document, &mut diagnostics),
         seed: 0,
         size_mm: [Tile::default().girth_mm, Tile::default().length_mm],
         draft: Draft::default(),
         maps: BTreeMap::new(),
     };
-    let known: Vec<&str> = skin::SECTIONS.iter().chain(&KEYS).copied().collect();
+    let known: Vec<&str> = skin::SECTIONS.iter().chain(&KEYS).chain(&ABOUT).copied().collect();
     for (key, _) in document.root.iter().filter(|(key, _)| !known.contains(&key.get_ref().as_str())) {
         let diagnostic = Diagnostic::error("unknown-key", format!("unknown key `{}`", key.get_ref()));
         diagnostics.push(hint(diagnostic.at(key.span(), ""), key.get_ref(), &known));

@@ -3,12 +3,14 @@
 //! | Item | What it is |
 //! | --- | --- |
 //! | [`MapImage`] | one map: planes, the physical range that integers cover, the normal's format |
+//! | [`assemble()`] | a set from an evaluation |
 //! | [`TextureSet`] | the maps of one preset and seed, all on one grid |
 //! | [`EncodeOptions`], [`Quantiser`] | depth, dither; rows of samples and the error that they carry |
 //! | [`plane_hash`] | BLAKE3 of a map before any encoding: the golden value |
 //!
 //! No files here: the room compiles on every target.
 
+mod assemble;
 mod encode;
 mod hash;
 
@@ -16,6 +18,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+pub use assemble::assemble;
 pub use encode::{Depth, EncodeOptions, QuantError, Quantiser, quantisation_error};
 pub use hash::plane_hash;
 

@@ -8,6 +8,7 @@
 //! Every problem is a [`Diagnostic`]: plain data with spans into a [`SourceMap`], collected so that a preset's
 //! problems are told all at once. Nothing here draws, reads files or knows what a node is.
 
+pub mod builtin;
 pub mod diagnostic;
 pub mod document;
 pub mod include;

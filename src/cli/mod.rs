@@ -1,0 +1,75 @@
+//! ATTIC: the command. Arguments, one file per verb, and the only place that draws text for people.
+//!
+//! Imports everything, imported by nothing but the binary.
+
+mod args;
+mod check;
+mod completions;
+mod exit;
+mod generate;
+mod load;
+mod memory;
+mod nodes;
+mod presets;
+mod progress;
+mod render;
+mod signal;
+mod verify;
+
+use clap::Parser as _;
+
+use args::{Cli, Verb};
+pub use exit::Exit;
+use exit::Failure;
+
+use crate::base::simd;
+
+/// Run the command with the process's arguments.
+pub fn run() -> Exit {
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(error) => {
+            // Help and version are asked for, not wrong.
+            let _ = error.print();
+            return if error.use_stderr() { Exit::Bad } else { Exit::Done };
+        }
+    };
+    match force_simd().and_then(|()| dispatch(&cli.verb)) {
+        Ok(exit) => exit,
+        Err(failure) => {
+            render::failure(&failure);
+            failure.exit()
+        }
+    }
+}
+
+fn dispatch(verb: &Verb) -> Result<Exit, Failure> {
+    match verb {
+        Verb::Generate(args) => generate::run(args),
+        Verb::Check(args) => check::run(args),
+        Verb::Nodes => nodes::run(),
+        Verb::Presets(args) => presets::run(args),
+        Verb::Verify(args) => verify::run(args),
+        Verb::Completions(args) => completions::run(args),
+    }
+}
+
+/// `OPHIDIAN_SIMD` forces an instruction set: for tests and bug reports, since the files do not depend on it.
+fn force_simd() -> Result<(), Failure> {
+    let Some(value) = std::env::var_os("OPHIDIAN_SIMD") else { return Ok(()) };
+    let names = simd::Level::ALL.map(simd::Level::name).join(", ");
+    match value.to_str().and_then(simd::Level::from_name) {
+        Some(level) => {
+            let used = simd::force(level);
+            if used != level {
+                let message = format!("OPHIDIAN_SIMD={}: this machine has no such level", level.name());
+                return Err(Failure::usage(message, format!("it has {}", used.name())));
+            }
+            Ok(())
+        }
+        None => {
+            let message = format!("OPHIDIAN_SIMD={} is no level", load::short(&value.to_string_lossy()));
+            Err(Failure::usage(message, format!("levels: {names}")))
+        }
+    }
+}
