@@ -77,8 +77,11 @@ impl HeightToAmbientOcclusion {
                 weight: 1.0 - self.falloff * t * t,
             }
         };
-        // A radius of 0 sees no wall.
-        if self.radius > 1e-9 { (0..self.steps).map(step).collect() } else { Vec::new() }
+        // A radius of 0 sees no wall. Nearer than a texel there is only what interpolation makes up; where even the
+        // radius is, the last step stands for all.
+        let count = if self.radius > 1e-9 { self.steps } else { 0 };
+        let first = (0..count).find(|&i| self.distance(i) >= domain.texel_mm());
+        (first.unwrap_or(count.saturating_sub(1))..count).map(step).collect()
     }
 }
 
@@ -98,6 +101,8 @@ impl Operation for HeightToAmbientOcclusion {
             ),
         ],
         outputs: &[OutputSpec::scalar("ambient_occlusion", "", "1 is open, 0 sees no sky.")],
+        // Coarse texels are as wide as the default radius: of gentle shade the half is lost.
+        scale_tolerance: 0.5,
         ..Spec::FILTER
     };
 

@@ -50,6 +50,8 @@ impl Operation for HeightToNormal {
             "normal",
             "Unit normal (x, y, z), each in [-1, 1], not yet encoded; flat is (0, 0, 1).",
         )],
+        // A difference over two texels loses 2.5 % of the slope of a wave of 16 texels.
+        scale_tolerance: 0.1,
         ..Spec::FILTER
     };
 

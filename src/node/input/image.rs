@@ -213,12 +213,12 @@ impl Operation for Image {
             // A file that is not there reads as 0; who loads the files reports it.
             if let Some(picture) = picture {
                 let (du, dv) = (ins.row(DU, y), ins.row(DV, y));
-                let scale_u = ru as f32 * picture.width as f32;
-                let scale_v = rv as f32 * picture.height as f32;
+                let (width, height) = (picture.width, picture.height);
                 for (x, texel) in texels.iter_mut().enumerate() {
-                    let u = num::fract(cx.domain.u(x) + du[x]);
-                    let v = num::fract(cx.domain.v(y) + dv[x]);
-                    *texel = picture.read(&Tap::new(u * scale_u, v * scale_v, picture.width, picture.height));
+                    // Wrapped twice: the repeats must not multiply an offset of many tiles.
+                    let u = num::fract(num::fract(cx.domain.u(x) + du[x]) * ru as f32);
+                    let v = num::fract(num::fract(cx.domain.v(y) + dv[x]) * rv as f32);
+                    *texel = picture.read(&Tap::new(u * width as f32, v * height as f32, width, height));
                 }
             }
             if let Some([r, g, b]) = outs.color_row(COLOR, y) {

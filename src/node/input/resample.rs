@@ -62,7 +62,9 @@ pub(super) struct Tap {
 }
 
 impl Tap {
-    /// Bilinear, at texel coordinates (`x`, `y`) with centres at integer + 0.5, of a torus of `width` x `height`.
+    /// Bilinear, at texel coordinates `x` in [0, width] and `y` in [0, height], with centres at integer + 0.5, of a
+    /// torus.
+    #[inline]
     pub(super) fn new(x: f32, y: f32, width: usize, height: usize) -> Self {
         let (x0, x1, tx) = neighbours(x, width);
         let (y0, y1, ty) = neighbours(y, height);
@@ -71,6 +73,7 @@ impl Tap {
     }
 
     /// The value there.
+    #[inline]
     pub(super) fn read(&self, texels: &[f32]) -> f32 {
         let [a, b, c, d] = self.corners.map(|i| f64::from(texels[i]));
         let (tx, ty) = (f64::from(self.tx), f64::from(self.ty));
@@ -80,12 +83,14 @@ impl Tap {
     }
 }
 
-/// The texels before and after a coordinate, wrapped, and the place between them in [0, 1].
+/// The texels before and after a coordinate in [0, count], wrapped, and the place between them in [0, 1].
+#[inline]
 fn neighbours(x: f32, count: usize) -> (usize, usize, f32) {
-    let x = x - 0.5;
-    let floor = x.floor();
-    let before = (floor as i64).rem_euclid(count as i64) as usize;
-    (before, (before + 1) % count, x - floor)
+    // `x + 0.5` has the whole part of the texel after; it is not negative, so that a cast rounds it down.
+    let x = x + 0.5;
+    let after = (x as usize).min(count);
+    let wrap = |i: usize| if i >= count { i - count } else { i };
+    (wrap(after + count - 1), wrap(after), x - after as f32)
 }
 
 #[cfg(test)]
