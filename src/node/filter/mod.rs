@@ -6,6 +6,8 @@
 //! | `gaussian_blur`, `box_blur` | `separable`: two one-dimensional passes |
 //! | `edge_detect` | three rows |
 //! | `distance`, `outline`, `morphology` | `edt`: distance on the torus |
+//! | `directional_blur` | shifted rows, weighted |
+//! | `warp`, `transform` | `sample`: bilinear look-up anywhere |
 //! | `normalise` | the range of the whole plane |
 //!
 //! Lengths are fractions of the tile's shorter physical side or mm; angles are degrees, 0 around the body (+u) and
@@ -14,6 +16,7 @@
 mod box_blur;
 mod clamp;
 mod curve;
+mod directional_blur;
 mod distance;
 mod edge_detect;
 mod edt;
@@ -24,16 +27,20 @@ mod levels;
 mod morphology;
 mod normalise;
 mod outline;
+mod sample;
 mod separable;
 #[cfg(test)]
 mod testing;
 mod threshold;
+mod transform;
+mod warp;
 
 use super::Op;
 
 pub use box_blur::BoxBlur;
 pub use clamp::Clamp;
 pub use curve::{Curve, Interpolation};
+pub use directional_blur::DirectionalBlur;
 pub use distance::Distance;
 pub use edge_detect::{EdgeDetect, Measure, Operator};
 pub use edt::LengthUnit;
@@ -45,6 +52,8 @@ pub use morphology::{Dilate, Erode};
 pub use normalise::Normalise;
 pub use outline::{Outline, Placement};
 pub use threshold::{Edge, Threshold};
+pub use transform::{StretchProfile, Transform};
+pub use warp::{DirectionalWarp, Warp};
 
 /// The operations of this category.
 pub const OPS: &[Op] = &[
@@ -57,11 +66,15 @@ pub const OPS: &[Op] = &[
     Op::of::<Normalise>(),
     Op::of::<GaussianBlur>(),
     Op::of::<BoxBlur>(),
+    Op::of::<DirectionalBlur>(),
     Op::of::<EdgeDetect>(),
     Op::of::<Distance>(),
     Op::of::<Outline>(),
     Op::of::<Dilate>(),
     Op::of::<Erode>(),
+    Op::of::<Warp>(),
+    Op::of::<DirectionalWarp>(),
+    Op::of::<Transform>(),
 ];
 
 /// Infinity (an overflow of finite values) as the greatest finite value of its sign.
