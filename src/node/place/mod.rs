@@ -1,13 +1,24 @@
-//! Placement: copies on a grid, and what fills closed areas.
+//! Placement: copies on a grid, and the areas of a mask.
 
+mod flood_fill;
+mod flood_fill_gradient;
+mod flood_fill_random;
 mod tile_sampler;
 
 use super::Op;
 
+pub use flood_fill::{Connectivity, FloodFill};
+pub use flood_fill_gradient::FloodFillGradient;
+pub use flood_fill_random::FloodFillRandom;
 pub use tile_sampler::{
     Affect, Blending, Distribution, MaskSampling, OffsetType, Parametrization, PatternKind, SizeMode,
     Symmetry, TileSampler,
 };
 
 /// The operations of this category.
-pub const OPS: &[Op] = &[Op::of::<TileSampler>()];
+pub const OPS: &[Op] = &[
+    Op::of::<TileSampler>(),
+    Op::of::<FloodFill>(),
+    Op::of::<FloodFillGradient>(),
+    Op::of::<FloodFillRandom>(),
+];
