@@ -40,6 +40,7 @@ pub use disc::Disc;
 pub use ellipse::Ellipse;
 pub use fractal::{Basis, Fractal, Sum};
 pub use hexagon::Hexagon;
+pub(in crate::node) use lattice::Coords;
 pub use lattice::Metric;
 pub use leaf::Leaf;
 pub use linear_gradient::LinearGradient;

@@ -6,7 +6,7 @@ use crate::node::Inputs;
 
 /// Wrapped coordinates of one row of texels, moved by the inputs `du`, `dv`; reused from row to row.
 #[derive(Debug)]
-pub(in super::super) struct Coords {
+pub(in crate::node) struct Coords {
     us: Vec<f32>,
     vs: Vec<f32>,
     row_v: Option<f32>,
@@ -15,12 +15,12 @@ pub(in super::super) struct Coords {
 
 impl Coords {
     /// Room for rows of `width` texels.
-    pub(in super::super) fn new(width: usize) -> Self {
+    pub(in crate::node) fn new(width: usize) -> Self {
         Self { us: vec![0.0; width], vs: vec![0.0; width], row_v: None, filled_u: false }
     }
 
     /// The coordinates of row `y`, whose offsets are the inputs `du` and `du + 1`.
-    pub(in super::super) fn set(&mut self, domain: &Domain, ins: &Inputs<'_>, du: usize, y: i64) {
+    pub(in crate::node) fn set(&mut self, domain: &Domain, ins: &Inputs<'_>, du: usize, y: i64) {
         // A constant offset around the body is the same in every row.
         if !self.filled_u {
             for (x, u) in self.us.iter_mut().enumerate() {
@@ -40,17 +40,17 @@ impl Coords {
     }
 
     /// u of every texel, in [0, 1].
-    pub(in super::super) fn us(&self) -> &[f32] {
+    pub(in crate::node) fn us(&self) -> &[f32] {
         &self.us
     }
 
     /// v of every texel, in [0, 1].
-    pub(in super::super) fn vs(&self) -> &[f32] {
+    pub(in crate::node) fn vs(&self) -> &[f32] {
         &self.vs
     }
 
     /// v of the whole row, where it is one.
-    pub(in super::super) fn row_v(&self) -> Option<f32> {
+    pub(in crate::node) fn row_v(&self) -> Option<f32> {
         self.row_v
     }
 }

@@ -12,7 +12,7 @@ mod gradient;
 mod simplex;
 mod worley;
 
-pub(super) use coords::Coords;
+pub(in crate::node) use coords::Coords;
 pub(super) use gradient::{perlin, value, white};
 pub(super) use simplex::{Shear, simplex};
 pub use worley::Metric;

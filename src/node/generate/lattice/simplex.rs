@@ -74,30 +74,46 @@ fn simplex_at(u: f32, v: f32, cells: Cells, shear: Shear) -> f32 {
     let (i, j) = (floor(p), floor(y));
     let (fx, fy) = (p - i, y - j);
     let far = if fx + fy >= 1.0 { 1.0 } else { 0.0 };
-    let corner = |di: f32, dj: f32| {
+    // Row j is row j - cells_v moved by the turn. The rows' hashes come first: a row of texels has two of them.
+    let row = |j: f32| {
+        let over = if j >= height { 1.0 } else { 0.0 };
+        let over = if j >= 2.0 * height { 2.0 } else { over };
+        (hash::pcg(cells.seed ^ to_u32(j - over * height)), over * shear.turn)
+    };
+    let (low, high) = (row(j), row(j + 1.0));
+    let last = if far > 0.0 { high } else { low };
+    let per_width = 1.0 / width;
+    let corner = |di: f32, dj: f32, (row, turn): (u32, f32)| {
         let (dx, dy) = (fx - di + shear.s * (fy - dj), fy - dj);
-        // Row j is row j - cells_v, moved by the turn; then i modulo cells_u, exact for whole numbers below 2^22.
-        let (row, i) = (j + dj, i + di);
-        let over = if row >= height { 1.0 } else { 0.0 };
-        let over = if row >= 2.0 * height { 2.0 } else { over };
-        let (row, i) = (row - over * height, i + over * shear.turn);
-        let column = i - width * floor(i / width);
+        // The column modulo cells_u; the quotient may be one off.
+        let i = i + di + turn;
+        let column = i - width * floor(i * per_width);
         let column = if column < 0.0 { column + width } else { column };
         let column = if column >= width { column - width } else { column };
-        let h = hash::hash2(cells.seed, to_u32(row), to_u32(column));
+        let h = hash::pcg(row.wrapping_add(to_u32(column)));
         weight(shear.r2, dx * dx + dy * dy) * slope(h, dx, dy)
     };
-    let sum = corner(1.0, 0.0) + corner(0.0, 1.0) + corner(far, far);
+    let sum = corner(1.0, 0.0, low) + corner(0.0, 1.0, high) + corner(far, far, last);
     (sum * shear.gain).max(-1.0).min(1.0)
 }
 
 /// Simplex-type noise, in [-1, 1], 0 at lattice points. `shear` is `Shear::new(cells.v)`.
 pub(in super::super) fn simplex(at: &Coords, cells: Cells, shear: Shear, out: &mut [f32]) {
-    kernel(at.us(), at.vs(), cells, shear, out);
+    match at.row_v() {
+        Some(v) => row(at.us(), v, cells, shear, out),
+        None => free(at.us(), at.vs(), cells, shear, out),
+    }
 }
 
 multiversion! {
-    fn kernel(us: &[f32], vs: &[f32], cells: Cells, shear: Shear, out: &mut [f32]) {
+    /// A row with one `v`: what depends on it is hoisted.
+    fn row(us: &[f32], v: f32, cells: Cells, shear: Shear, out: &mut [f32]) {
+        for (o, u) in out.iter_mut().zip(us) { *o = simplex_at(*u, v, cells, shear); }
+    }
+}
+
+multiversion! {
+    fn free(us: &[f32], vs: &[f32], cells: Cells, shear: Shear, out: &mut [f32]) {
         for ((o, u), v) in out.iter_mut().zip(us).zip(vs) { *o = simplex_at(*u, *v, cells, shear); }
     }
 }

@@ -60,81 +60,114 @@ fn neighbour(i: u32, d: i32, cells: u32) -> u32 {
     (if i >= n { i - n } else { i }) as u32
 }
 
-impl Block {
-    /// Take the point of the cell at (`di`, `dj`) from the own cell into account.
+/// A row or a column of cells near each texel's own.
+struct Line {
+    /// Column: its index. Row: the first half of [`hash::hash2`] of its index.
+    key: [u32; LANES],
+    /// From the texel to where the cell's points begin, in cells.
+    from: [f32; LANES],
+}
+
+/// Where a cell's points lie, along one axis: `start + bits * scale` for 16 random bits.
+#[derive(Clone, Copy)]
+struct Spread {
+    start: f32,
+    scale: f32,
+}
+
+impl Spread {
     #[inline(always)]
-    fn visit<const METRIC: usize>(
-        &mut self,
-        rows: &[u32; LANES],
-        di: i32,
-        dj: i32,
-        cells: Cells,
-        jitter: f32,
-    ) {
+    fn new(jitter: f32) -> Self {
+        Self { start: 0.5 + jitter * (0.5 / 65_536.0 - 0.5), scale: jitter * (1.0 / 65_536.0) }
+    }
+}
+
+impl Block {
+    #[inline(always)]
+    fn column(&self, di: i32, cells: Cells, spread: Spread) -> Line {
+        let mut line = Line { key: [0; LANES], from: [0.0; LANES] };
         for l in 0..LANES {
-            let h = hash::pcg(rows[l].wrapping_add(neighbour(self.i[l], di, cells.u)));
-            let at = |bits: u32| ((bits as i32 as f32 + 0.5) * (1.0 / 65_536.0) - 0.5) * jitter + 0.5;
-            let dx = (at(h >> 16) + di as f32 - self.x[l]).abs();
-            let dy = (at(h & 0xffff) + dj as f32 - self.y[l]).abs();
+            line.key[l] = neighbour(self.i[l], di, cells.u);
+            line.from[l] = di as f32 + spread.start - self.x[l];
+        }
+        line
+    }
+
+    #[inline(always)]
+    fn row(&self, dj: i32, cells: Cells, spread: Spread) -> Line {
+        let mut line = Line { key: [0; LANES], from: [0.0; LANES] };
+        for l in 0..LANES {
+            line.key[l] = hash::pcg(cells.seed ^ neighbour(self.j[l], dj, cells.v));
+            line.from[l] = dj as f32 + spread.start - self.y[l];
+        }
+        line
+    }
+
+    /// Take the point of the cell where `row` and `column` cross into account.
+    #[inline(always)]
+    fn visit<const METRIC: usize>(&mut self, row: &Line, column: &Line, spread: Spread) {
+        for l in 0..LANES {
+            let h = hash::pcg(row.key[l].wrapping_add(column.key[l]));
+            let dx = (h >> 16) as i32 as f32 * spread.scale + column.from[l];
+            let dy = (h & 0xffff) as i32 as f32 * spread.scale + row.from[l];
             let d = match METRIC {
                 0 => dx * dx + dy * dy,
-                1 => dx + dy,
-                _ => {
-                    if dx > dy {
-                        dx
-                    } else {
-                        dy
-                    }
-                }
+                1 => dx.abs() + dy.abs(),
+                _ => greater(dx.abs(), dy.abs()),
             };
             let nearer = d < self.f1[l];
-            let loser = if nearer { self.f1[l] } else { d };
+            let loser = greater(d, self.f1[l]);
             self.f2[l] = if loser < self.f2[l] { loser } else { self.f2[l] };
             self.f1[l] = if nearer { d } else { self.f1[l] };
             self.id[l] = if nearer { h } else { self.id[l] };
         }
     }
 
-    /// The first half of [`hash::hash2`] of the rows at `dj`.
-    #[inline(always)]
-    fn rows(&self, dj: i32, cells: Cells) -> [u32; LANES] {
-        let mut rows = [0; LANES];
-        for l in 0..LANES {
-            rows[l] = hash::pcg(cells.seed ^ neighbour(self.j[l], dj, cells.v));
-        }
-        rows
-    }
-
     /// Search the cells around.
     ///
-    /// Points outside the nearest 3 x 3 cells are at least 1 away plus the way to the own cell's nearest side; where
-    /// what was found is farther, the next ring is searched too. Outside 5 x 5 no point can be nearest or second:
-    /// the own cell's and one neighbour's points are at most 2 away in each of the three metrics.
+    /// Points outside the nearest 3 x 3 cells are at least 1 away plus the way to the own cell's side there; where
+    /// what was found is farther, that side of the next ring is searched too. Outside 5 x 5 no point can be nearest
+    /// or second: the own cell's and one neighbour's points are at most 2 away in each of the three metrics.
     #[inline(always)]
     fn search<const METRIC: usize>(&mut self, cells: Cells, jitter: f32, second: bool) {
+        let spread = Spread::new(jitter);
+        let columns =
+            [self.column(-1, cells, spread), self.column(0, cells, spread), self.column(1, cells, spread)];
         for dj in -1..=1 {
-            let rows = self.rows(dj, cells);
-            for di in -1..=1 {
-                self.visit::<METRIC>(&rows, di, dj, cells, jitter);
+            let row = self.row(dj, cells, spread);
+            for column in &columns {
+                self.visit::<METRIC>(&row, column, spread);
             }
         }
         let margin = 1.0 + 0.5 * (1.0 - jitter);
-        let mut far = false;
+        let mut far = [false; 4];
         for l in 0..LANES {
             let (x, y) = (self.x[l], self.y[l]);
-            let side = x.min(1.0 - x).min(y.min(1.0 - y));
-            let safe = (margin + side) * 0.9999;
-            let safe = if METRIC == 0 { safe * safe } else { safe };
             let found = if second { self.f2[l] } else { self.f1[l] };
-            far |= found > safe;
+            let beyond = |side: f32| {
+                let safe = (margin + side) * 0.9999;
+                found > if METRIC == 0 { safe * safe } else { safe }
+            };
+            far[0] |= beyond(x);
+            far[1] |= beyond(1.0 - x);
+            far[2] |= beyond(y);
+            far[3] |= beyond(1.0 - y);
         }
-        if far {
-            for dj in -2i32..=2 {
-                let rows = self.rows(dj, cells);
-                for di in -2i32..=2 {
-                    if di.abs() == 2 || dj.abs() == 2 {
-                        self.visit::<METRIC>(&rows, di, dj, cells, jitter);
-                    }
+        for (side, di) in [(0, -2), (1, 2)] {
+            if far[side] {
+                let column = self.column(di, cells, spread);
+                for dj in -1..=1 {
+                    let row = self.row(dj, cells, spread);
+                    self.visit::<METRIC>(&row, &column, spread);
+                }
+            }
+        }
+        for (side, dj) in [(2, -2), (3, 2)] {
+            if far[side] {
+                let row = self.row(dj, cells, spread);
+                for di in -2..=2 {
+                    let column = self.column(di, cells, spread);
+                    self.visit::<METRIC>(&row, &column, spread);
                 }
             }
         }
@@ -145,6 +178,25 @@ impl Block {
             }
         }
     }
+}
+
+/// The first lanes of a slice; a short one is filled with zeros.
+#[inline(always)]
+fn lanes(values: &[f32]) -> [f32; LANES] {
+    if let Ok(whole) = <[f32; LANES]>::try_from(values) {
+        return whole;
+    }
+    let mut lanes = [0.0; LANES];
+    for (lane, value) in lanes.iter_mut().zip(values) {
+        *lane = *value;
+    }
+    lanes
+}
+
+/// The greater of two numbers: one instruction, unlike `f32::max`, which looks for NaN.
+#[inline(always)]
+fn greater(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
 }
 
 /// The own cell and the place in it, along one axis.
@@ -166,9 +218,7 @@ multiversion! {
         let second = !out.f2.is_empty() || !out.edge.is_empty();
         for first in (0..us.len()).step_by(LANES) {
             let n = LANES.min(us.len() - first);
-            let (mut u, mut v) = ([0.0; LANES], [0.0; LANES]);
-            u[..n].copy_from_slice(&us[first..first + n]);
-            v[..n].copy_from_slice(&vs[first..first + n]);
+            let (u, v) = (lanes(&us[first..first + n]), lanes(&vs[first..first + n]));
             let mut b = Block {
                 x: [0.0; LANES], y: [0.0; LANES], i: [0; LANES], j: [0; LANES],
                 f1: [f32::MAX; LANES], f2: [f32::MAX; LANES], id: [0; LANES],

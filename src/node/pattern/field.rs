@@ -1,0 +1,160 @@
+//! A solved pattern on a grid of its own, sampled to the map.
+
+use crate::base::Domain;
+use crate::node::generate::Coords;
+
+/// A solution on the torus, `width x height` values.
+///
+/// Sampled by the uniform cubic B-spline: never outside the values' range, twice continuously differentiable, and
+/// the same shape at every map size.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Field {
+    pub(super) width: usize,
+    pub(super) height: usize,
+    pub(super) values: Vec<f32>,
+}
+
+/// Columns repeated on the right of a combined row, so that four taps need no wrapping.
+const PAD: usize = 4;
+
+/// Where a coordinate's four taps begin, less one period, and their weights.
+#[inline(always)]
+fn taps(t: f32, n: usize) -> (usize, [f32; 4]) {
+    // Sample i lies at (i + 0.5) / n; the first tap is one before the sample at or before t. One n keeps it positive.
+    let x = t * n as f32 + (n as f32 - 1.5);
+    let low = x.floor();
+    let f = x - low;
+    let g = 1.0 - f;
+    let (f2, g2) = (f * f, g * g);
+    let sixth = 1.0 / 6.0;
+    let weights = [
+        g2 * g * sixth,
+        (4.0 - 3.0 * f2 * (2.0 - f)) * sixth,
+        (4.0 - 3.0 * g2 * (2.0 - g)) * sixth,
+        f2 * f * sixth,
+    ];
+    // t in [0, 1] gives -1.5 + n .. -1.5 + 2n; for n = 1 it may begin below 0.
+    (((low as i64).rem_euclid(n as i64)) as usize, weights)
+}
+
+impl Field {
+    /// Write one row of the map; `line` is scratch that keeps its memory from row to row.
+    pub(super) fn sample(&self, at: &Coords, line: &mut Vec<f32>, out: &mut [f32]) {
+        let (w, h) = (self.width, self.height);
+        let row = |y: usize| &self.values[(y % h) * w..(y % h) * w + w];
+        let across = |values: &dyn Fn(usize) -> f32, u: f32| {
+            let (x, k) = taps(u, w);
+            k[0] * values(x) + k[1] * values(x + 1) + k[2] * values(x + 2) + k[3] * values(x + 3)
+        };
+        if let Some(v) = at.row_v() {
+            let (y, k) = taps(v, h);
+            let rows = [row(y), row(y + 1), row(y + 2), row(y + 3)];
+            line.clear();
+            line.extend(
+                (0..w).map(|x| k[0] * rows[0][x] + k[1] * rows[1][x] + k[2] * rows[2][x] + k[3] * rows[3][x]),
+            );
+            for x in 0..PAD {
+                line.push(line[x % w]);
+            }
+            for (o, u) in out.iter_mut().zip(at.us()) {
+                *o = across(&|x| line[x], *u);
+            }
+        } else {
+            for ((o, u), v) in out.iter_mut().zip(at.us()).zip(at.vs()) {
+                let (y, k) = taps(*v, h);
+                let rows = [row(y), row(y + 1), row(y + 2), row(y + 3)];
+                let column = |x: usize| {
+                    let x = x % w;
+                    k[0] * rows[0][x] + k[1] * rows[1][x] + k[2] * rows[2][x] + k[3] * rows[3][x]
+                };
+                *o = across(&column, *u);
+            }
+        }
+    }
+}
+
+/// The size of a solver's grid: `cells` periods of `period` texels across the tile's shorter side, texels nearly
+/// square in mm but for `stretch`, which makes the pattern so many times longer along the body.
+///
+/// Where that would exceed [`MAX_TEXELS`] the period gets fewer texels; the second value is what is left of it.
+pub(super) fn grid(
+    domain: &Domain,
+    cells: u32,
+    period: f32,
+    least: f32,
+    stretch: f32,
+) -> (usize, usize, f32) {
+    let shorter = domain.shorter_mm();
+    let stretch = if stretch > 0.0 { stretch.min(16.0).max(1.0 / 16.0) } else { 1.0 };
+    let cells = cells.clamp(1, 256) as f32;
+    let (u, v) = (cells * domain.girth_mm / shorter, cells * domain.length_mm / shorter / stretch);
+    let period = period.min((MAX_TEXELS as f32 / (u * v)).sqrt()).max(least);
+    let side = |periods: f32| ((periods * period).round() as usize).clamp(4, MAX_TEXELS / 4);
+    let (width, height) = (side(u), side(v));
+    // A tile thousands of times longer than wide: give up on square texels rather than on memory.
+    (width, height.min((4 * MAX_TEXELS / width).max(4)), period)
+}
+
+/// The largest grid that is solved at the full period.
+pub(super) const MAX_TEXELS: usize = 1 << 20;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::Rows;
+    use crate::node::Inputs;
+
+    fn sample(field: &Field, domain: &Domain, y: i64, du: f32, dv: &[f32]) -> Vec<f32> {
+        let du = vec![du; domain.width];
+        let lanes = [Rows::broadcast(&du), Rows::window(dv, domain.width, domain.height, y)];
+        let mut at = Coords::new(domain.width);
+        at.set(domain, &Inputs::new(&[0, 1, 2], &lanes), 0, y);
+        let mut out = vec![0.0; domain.width];
+        field.sample(&at, &mut Vec::new(), &mut out);
+        out
+    }
+
+    #[test]
+    fn a_constant_field_is_itself_and_a_linear_one_is_linear_inside() {
+        let domain = Domain::square(40);
+        let dv = vec![0.0; 40];
+        for (w, h) in [(1, 1), (2, 3), (5, 4)] {
+            let field = Field { width: w, height: h, values: vec![0.25; w * h] };
+            for v in sample(&field, &domain, 7, 0.3, &dv) {
+                assert!((v - 0.25).abs() < 1e-6);
+            }
+        }
+        // B-splines reproduce straight lines: sample i of 20 lies at (i + 0.5) / 20.
+        let values = (0..20 * 20).map(|i| (i % 20) as f32).collect();
+        let field = Field { width: 20, height: 20, values };
+        let out = sample(&field, &domain, 7, 0.0, &dv);
+        for x in 4..36 {
+            assert!((out[x] - (domain.u(x) * 20.0 - 0.5)).abs() < 1e-4, "{x}: {}", out[x]);
+        }
+    }
+
+    #[test]
+    fn a_map_of_offsets_and_a_constant_give_the_same_bits() {
+        let domain = Domain::square(33);
+        let values = (0..7 * 5).map(|i| (i * i % 11) as f32).collect();
+        let field = Field { width: 7, height: 5, values };
+        let map = sample(&field, &domain, 3, 0.2, &vec![-0.4; 33]);
+        let (du, dv) = (vec![0.2; 33], vec![-0.4; 33]);
+        let lanes = [Rows::broadcast(&du), Rows::broadcast(&dv)];
+        let mut at = Coords::new(33);
+        at.set(&domain, &Inputs::new(&[0, 1, 2], &lanes), 0, 3);
+        let mut out = vec![0.0; 33];
+        field.sample(&at, &mut Vec::new(), &mut out);
+        assert_eq!(out, map);
+    }
+
+    #[test]
+    fn the_grid_follows_the_tile_and_stays_small() {
+        let d = Domain { width: 10, height: 10, girth_mm: 50.0, length_mm: 100.0 };
+        assert_eq!(grid(&d, 4, 16.0, 8.0, 1.0), (64, 128, 16.0));
+        assert_eq!(grid(&d, 4, 16.0, 8.0, 2.0), (64, 64, 16.0));
+        let long = Domain { length_mm: 1e9, ..d };
+        let (w, h, _) = grid(&long, 256, 16.0, 8.0, 0.0);
+        assert!(w * h <= 4 * MAX_TEXELS && w >= 4 && h >= 4);
+    }
+}
