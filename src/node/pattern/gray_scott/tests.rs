@@ -89,7 +89,7 @@ fn without_reaction_a_cosine_decays_as_its_eigenvalue_says_and_the_mean_stays() 
     for y in 0..h {
         for x in 0..w {
             let u = f64::from(solver.u[y * (w + 2) + x + 1]);
-            assert!((u - 0.5 - left * mode(x, y)).abs() < 2e-6, "({x}, {y}): {u}");
+            assert!((u - 0.5 - left * mode(x, y)).abs() < 1e-5, "({x}, {y}): {u}");
         }
     }
 }
