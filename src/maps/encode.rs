@@ -139,17 +139,11 @@ impl<'a> Quantiser<'a> {
         scratch.resize(width, 0);
         for (c, plane) in self.map.planes.iter().enumerate() {
             self.codes(c, y, plane.row(y as i64), scratch);
-            match self.depth {
-                Depth::Eight => {
-                    for (o, &code) in out.iter_mut().skip(c).step_by(channels).zip(scratch.iter()) {
-                        *o = code as u8;
-                    }
-                }
-                Depth::Sixteen => {
-                    for (o, &code) in out.chunks_exact_mut(2).skip(c).step_by(channels).zip(scratch.iter()) {
-                        o.copy_from_slice(&code.to_be_bytes());
-                    }
-                }
+            match (self.depth, channels) {
+                (Depth::Eight, 1) => pack8(scratch, 0, out.as_chunks_mut::<1>().0),
+                (Depth::Eight, _) => pack8(scratch, c, out.as_chunks_mut::<3>().0),
+                (Depth::Sixteen, 1) => pack16(scratch, 0, out.as_chunks_mut::<2>().0),
+                (Depth::Sixteen, _) => pack16(scratch, c, out.as_chunks_mut::<6>().0),
             }
         }
     }
@@ -251,18 +245,40 @@ multiversion! {
     }
 }
 
+/// Channel `c` of texels of `N` bytes.
+fn pack8<const N: usize>(codes: &[u16], c: usize, texels: &mut [[u8; N]]) {
+    for (texel, &code) in texels.iter_mut().zip(codes) {
+        texel[c] = code as u8;
+    }
+}
+
+/// Channel `c`, big-endian, of texels of `N` bytes.
+fn pack16<const N: usize>(codes: &[u16], c: usize, texels: &mut [[u8; N]]) {
+    for (texel, &code) in texels.iter_mut().zip(codes) {
+        texel[2 * c..2 * c + 2].copy_from_slice(&code.to_be_bytes());
+    }
+}
+
 /// Independent sums, so that they vectorise: float addition is not associative, the lanes fix its order.
 const LANES: usize = 16;
 
 multiversion! {
     fn linear_error(row: &[f32], codes: &[u16], offset: f32, step: f32) -> (f32, f64) {
         let (mut max, mut sum) = ([0.0f32; LANES], [0.0f32; LANES]);
-        for (row, codes) in row.chunks(LANES).zip(codes.chunks(LANES)) {
-            for (i, (v, code)) in row.iter().zip(codes).enumerate() {
-                let e = (*v - (offset + f32::from(*code) * step)).abs();
+        let (rows, row_rest) = row.as_chunks::<LANES>();
+        let (all, codes_rest) = codes.as_chunks::<LANES>();
+        for (row, codes) in rows.iter().zip(all) {
+            for i in 0..LANES {
+                let (v, code) = (row[i], codes[i]);
+                let e = (v - (offset + f32::from(code) * step)).abs();
                 max[i] = max[i].max(e);
                 sum[i] += e * e;
             }
+        }
+        for (i, (&v, &code)) in row_rest.iter().zip(codes_rest).enumerate() {
+            let e = (v - (offset + f32::from(code) * step)).abs();
+            max[i] = max[i].max(e);
+            sum[i] += e * e;
         }
         fold(&max, &sum)
     }
@@ -271,12 +287,20 @@ multiversion! {
 multiversion! {
     fn srgb_error(row: &[f32], codes: &[u16], step: f32) -> (f32, f64) {
         let (mut max, mut sum) = ([0.0f32; LANES], [0.0f32; LANES]);
-        for (row, codes) in row.chunks(LANES).zip(codes.chunks(LANES)) {
-            for (i, (v, code)) in row.iter().zip(codes).enumerate() {
-                let e = (*v - color::srgb_to_linear(f32::from(*code) * step)).abs();
+        let (rows, row_rest) = row.as_chunks::<LANES>();
+        let (all, codes_rest) = codes.as_chunks::<LANES>();
+        for (row, codes) in rows.iter().zip(all) {
+            for i in 0..LANES {
+                let (v, code) = (row[i], codes[i]);
+                let e = (v - color::srgb_to_linear(f32::from(code) * step)).abs();
                 max[i] = max[i].max(e);
                 sum[i] += e * e;
             }
+        }
+        for (i, (&v, &code)) in row_rest.iter().zip(codes_rest).enumerate() {
+            let e = (v - color::srgb_to_linear(f32::from(code) * step)).abs();
+            max[i] = max[i].max(e);
+            sum[i] += e * e;
         }
         fold(&max, &sum)
     }
