@@ -44,7 +44,7 @@ impl Operation for Grayscale {
     };
 
     fn cost_ns(&self) -> f32 {
-        if self.mode == GrayscaleMode::Lightness { 6.0 } else { 0.5 }
+        if self.mode == GrayscaleMode::Lightness { 6.0 } else { 0.3 }
     }
 
     fn eval(&self, _: &Cx<'_>, rows: Range<i64>, ins: &Inputs<'_>, outs: &mut Outputs<'_>) {
@@ -75,7 +75,7 @@ multiversion! {
 multiversion! {
     fn lightness(r: &[f32], g: &[f32], b: &[f32], out: &mut [f32]) {
         for (((o, r), g), b) in out.iter_mut().zip(r).zip(g).zip(b) {
-            let limited = [*r, *g, *b].map(|c| c.max(-1e30).min(1e30));
+            let limited = [r.max(-1e30).min(1e30), g.max(-1e30).min(1e30), b.max(-1e30).min(1e30)];
             *o = linear_to_oklab(limited)[0];
         }
     }

@@ -64,7 +64,7 @@ impl Operation for HslJitter {
     };
 
     fn cost_ns(&self) -> f32 {
-        18.0
+        28.0
     }
 
     fn eval(&self, cx: &Cx<'_>, rows: Range<i64>, ins: &Inputs<'_>, outs: &mut Outputs<'_>) {

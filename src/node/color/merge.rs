@@ -25,7 +25,7 @@ impl Operation for Merge {
     };
 
     fn cost_ns(&self) -> f32 {
-        0.3
+        0.8
     }
 
     fn eval(&self, _: &Cx<'_>, rows: Range<i64>, ins: &Inputs<'_>, outs: &mut Outputs<'_>) {

@@ -66,7 +66,7 @@ impl Operation for OklabJitter {
     };
 
     fn cost_ns(&self) -> f32 {
-        11.0
+        15.0
     }
 
     fn eval(&self, cx: &Cx<'_>, rows: Range<i64>, ins: &Inputs<'_>, outs: &mut Outputs<'_>) {

@@ -53,7 +53,7 @@ macro_rules! blend {
             };
 
             fn cost_ns(&self) -> f32 {
-                0.4
+                0.3
             }
 
             fn eval(

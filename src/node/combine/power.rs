@@ -33,7 +33,7 @@ impl Operation for Power {
     };
 
     fn cost_ns(&self) -> f32 {
-        1.8
+        3.0
     }
 
     fn eval(&self, _: &Cx<'_>, rows: Range<i64>, ins: &Inputs<'_>, outs: &mut Outputs<'_>) {

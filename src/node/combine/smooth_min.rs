@@ -36,7 +36,7 @@ impl Operation for SmoothMin {
     };
 
     fn cost_ns(&self) -> f32 {
-        0.7
+        0.4
     }
 
     fn eval(&self, _: &Cx<'_>, rows: Range<i64>, ins: &Inputs<'_>, outs: &mut Outputs<'_>) {

@@ -118,7 +118,7 @@ impl Operation for FilmThickness {
     }
 
     fn cost_ns(&self) -> f32 {
-        1.2
+        1.0
     }
 
     fn eval(&self, _: &Cx<'_>, rows: Range<i64>, ins: &Inputs<'_>, outs: &mut Outputs<'_>) {

@@ -112,7 +112,7 @@ impl Operation for HeightToAmbientOcclusion {
     }
 
     fn cost_ns(&self) -> f32 {
-        self.directions as f32 * (2.2 + 0.55 * self.steps as f32)
+        self.directions as f32 * (1.2 + 0.3 * self.steps as f32)
     }
 
     fn eval(&self, cx: &Cx<'_>, rows: Range<i64>, ins: &Inputs<'_>, outs: &mut Outputs<'_>) {

@@ -69,7 +69,7 @@ impl Operation for HeightToCurvature {
 
     fn cost_ns(&self) -> f32 {
         // The blur grows with the resolution; this is its cost at 40 texels a mm.
-        3.0 + 15.0 * self.radius
+        4.0 + 13.0 * self.radius
     }
 
     fn eval(&self, cx: &Cx<'_>, rows: Range<i64>, ins: &Inputs<'_>, outs: &mut Outputs<'_>) {

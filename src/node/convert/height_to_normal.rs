@@ -60,7 +60,7 @@ impl Operation for HeightToNormal {
     }
 
     fn cost_ns(&self) -> f32 {
-        0.8
+        2.0
     }
 
     fn eval(&self, cx: &Cx<'_>, rows: Range<i64>, ins: &Inputs<'_>, outs: &mut Outputs<'_>) {

@@ -43,7 +43,7 @@ impl Operation for HeightToTranslucency {
     };
 
     fn cost_ns(&self) -> f32 {
-        0.9
+        1.9
     }
 
     fn eval(&self, _: &Cx<'_>, rows: Range<i64>, ins: &Inputs<'_>, outs: &mut Outputs<'_>) {

@@ -192,7 +192,7 @@ impl Operation for Image {
     };
 
     fn cost_ns(&self) -> f32 {
-        15.0
+        45.0
     }
 
     fn files(&self) -> Vec<&str> {
