@@ -77,6 +77,17 @@ impl MapKind {
         }
     }
 
+    /// The values that files of whole numbers store as 0 and 1, where a preset does not say it.
+    pub fn default_range(self) -> [f32; 2] {
+        match self {
+            Self::Normal | Self::Curvature => [-1.0, 1.0],
+            Self::Iridescence => [0.0, 1000.0],
+            // Ids are stored as they are.
+            Self::ScaleId => [0.0, 65_535.0],
+            _ => [0.0, 1.0],
+        }
+    }
+
     /// The unit of its values, empty for pure numbers.
     pub fn unit(self) -> &'static str {
         match self {

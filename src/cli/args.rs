@@ -16,7 +16,9 @@ const EXAMPLES: &str = "Examples:
   ophidian generate lampropeltis_triangulum -o out
   ophidian generate my_snake.toml --size 4096 --maps five --normal both
   ophidian generate \"milk snake\" --seeds 0..50 --set scales.overlap=0.4 --json
-  ophidian check my_snake.toml";
+  ophidian check my_snake.toml
+  ophidian graph my_snake.toml --format dot | dot -Tsvg -o graph.svg
+  ophidian nodes worley";
 
 const GENERATE_EXAMPLES: &str = "Examples:
   ophidian generate lampropeltis_triangulum -o out
@@ -41,10 +43,14 @@ pub(super) enum Verb {
     Generate(Box<Generate>),
     /// Tell everything that is wrong with presets; write nothing.
     Check(Check),
-    /// List the operations that nodes are made of.
-    Nodes,
+    /// Print the graph that a preset becomes: as a preset of nodes only, for Graphviz, for Mermaid, or as JSON.
+    Graph(Graph),
+    /// List the operations that nodes are made of, or show the reference page of one.
+    Nodes(Nodes),
     /// List the built-in presets.
     Presets(Presets),
+    /// Print the JSON Schema of presets, for editors that complete and check TOML.
+    Schema,
     /// Compare texture sets with their manifest.
     Verify(Verify),
     /// Print a script that completes commands in a shell.
@@ -124,6 +130,47 @@ pub(super) struct Set {
     /// Another value for a key of the preset, such as pattern.size=0.3; may be given many times.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub(super) settings: Vec<String>,
+}
+
+/// `graph`
+#[derive(Debug, Args)]
+pub(super) struct Graph {
+    /// A built-in preset by name, or a preset file.
+    pub(super) preset: String,
+    /// The form; toml reads back as a preset that makes the same bytes.
+    #[arg(long, value_enum, default_value = "toml")]
+    pub(super) format: GraphFormat,
+    /// Maps for which needed nodes, memory and time are told, as for `generate`.
+    #[arg(long, default_value = "all")]
+    pub(super) maps: MapsArg,
+    /// Size for which memory and time are told, as for `generate`.
+    #[arg(long, default_value = "2048", value_name = "N|WxH")]
+    pub(super) size: SizeArg,
+    /// The individual; the preset's own unless set.
+    #[arg(long)]
+    pub(super) seed: Option<u64>,
+    #[command(flatten)]
+    pub(super) set: Set,
+}
+
+/// A form of a graph.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum GraphFormat {
+    /// A preset of nodes only.
+    Toml,
+    /// Graphviz: `dot -Tsvg`.
+    Dot,
+    /// Mermaid, which many web pages draw.
+    Mermaid,
+    /// JSON, for programs.
+    Json,
+}
+
+/// `nodes`
+#[derive(Debug, Args)]
+pub(super) struct Nodes {
+    /// The operation to show; all are listed without it.
+    pub(super) op: Option<String>,
 }
 
 /// `presets`

@@ -13,7 +13,7 @@ use super::exit::{Exit, Failure};
 use super::load::Preset;
 use super::progress::Progress;
 use super::{memory, render, signal};
-use crate::base::{Domain, MapKind};
+use crate::base::{Domain, MapKind, num};
 use crate::eval::{self, Control};
 use crate::graph::{self, Graph};
 use crate::io::{ManifestEntry, Output, SetWriter, Staged, WriteOptions};
@@ -194,8 +194,34 @@ impl Work<'_> {
         let evaluate_ms = ms(start);
         let start = Instant::now();
         let set = assemble(evaluation, id.clone());
+        if self.options.outputs.contains(&Output::Png) {
+            self.warn_of_clipping(set.maps.values());
+        }
         let files = self.write(writer, set.maps)?;
         Ok(Made { set: id, files, peak_bytes, evaluate_ms, write_ms: ms(start) })
+    }
+
+    /// Integers hold the map's range only: tell what lies outside of it.
+    fn warn_of_clipping<'m>(&self, maps: impl Iterator<Item = &'m MapImage>) {
+        for map in maps.filter(|m| m.kind != MapKind::ScaleId) {
+            let [low, high] = map.range;
+            let (least, most) = map
+                .planes
+                .iter()
+                .map(|p| num::min_max(p.data()))
+                .fold((f32::INFINITY, f32::NEG_INFINITY), |(a, b), (c, d)| (a.min(c), b.max(d)));
+            // Filters ring and rounding is rounding: a step of 8 bits is nothing to tell.
+            let slack = (high - low) / 256.0;
+            if least < low - slack || most > high + slack {
+                let kind = map.kind;
+                let unit = if kind.unit().is_empty() { String::new() } else { format!(" {}", kind.unit()) };
+                let message = format!(
+                    "{kind} goes from {least:.4} to {most:.4}{unit}, beyond its range {low} to {high}{unit}: it is cut off"
+                );
+                let help = format!("set [maps] {kind} = {{ from = \"…\", range = [low, high] }}");
+                self.progress.suspend(|| render::warning(&message, &help));
+            }
+        }
     }
 
     fn write(

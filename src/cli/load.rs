@@ -26,7 +26,7 @@ impl Loader for Files {
             return Builtins.load(path, from);
         }
         let file = Path::new(from).parent().unwrap_or(Path::new("")).join(path);
-        match self.read(&file) {
+        match self.read(&file).map_err(|(_, message)| message) {
             // A file may include a built-in preset by its plain name.
             Err(_) if !file.exists() && !path.contains(['/', '\\']) && Builtins.load(path, from).is_ok() => {
                 Builtins.load(path, from)
@@ -37,23 +37,25 @@ impl Loader for Files {
 }
 
 impl Files {
-    fn read(&self, path: &Path) -> Result<Loaded, String> {
-        let fail = |e: std::io::Error| format!("{} cannot be read: {}", path.display(), plain(&e));
+    /// Read a file, or say why not and whether that is the file system's fault or the file's.
+    fn read(&self, path: &Path) -> Result<Loaded, (Exit, String)> {
+        let shown = path.display();
+        let fail = |e: std::io::Error| (Exit::File, format!("{shown} cannot be read: {}", plain(&e)));
         let file = std::fs::File::open(path).map_err(fail)?;
         let metadata = file.metadata().map_err(fail)?;
         if metadata.is_dir() {
-            return Err(format!("{} is a directory, not a preset", path.display()));
+            return Err((Exit::File, format!("{shown} is a directory, not a preset")));
         }
         if metadata.len() > MAX_TEXT as u64 {
             let length = metadata.len();
-            return Err(format!("{} has {length} bytes; a preset has at most {MAX_TEXT}", path.display()));
+            return Err((Exit::Bad, format!("{shown} has {length} bytes; a preset has at most {MAX_TEXT}")));
         }
         // A pipe has no length: never read more than is refused below.
         let mut bytes = Vec::new();
         file.take(MAX_TEXT as u64 + 1).read_to_end(&mut bytes).map_err(fail)?;
         let identity = std::fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
-        let mut shown = self.shown.borrow_mut();
-        let name = shown.entry(identity).or_insert_with(|| path.display().to_string()).clone();
+        let mut names = self.shown.borrow_mut();
+        let name = names.entry(identity).or_insert_with(|| shown.to_string()).clone();
         Ok(Loaded { name, bytes })
     }
 }
@@ -84,8 +86,8 @@ impl Preset {
         let files = Files::default();
         let is_file = word.ends_with(".toml") || word.contains(['/', '\\']) || Path::new(word).is_file();
         let loaded = if is_file {
-            files.load(word, "").map_err(|message| Failure::Message {
-                exit: Exit::File,
+            files.read(Path::new(word)).map_err(|(exit, message)| Failure::Message {
+                exit,
                 message,
                 help: file_help(word),
             })?

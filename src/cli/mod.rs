@@ -7,12 +7,14 @@ mod check;
 mod completions;
 mod exit;
 mod generate;
+mod graph;
 mod load;
 mod memory;
 mod nodes;
 mod presets;
 mod progress;
 mod render;
+mod schema;
 mod signal;
 mod verify;
 
@@ -47,7 +49,9 @@ fn dispatch(verb: &Verb) -> Result<Exit, Failure> {
     match verb {
         Verb::Generate(args) => generate::run(args),
         Verb::Check(args) => check::run(args),
-        Verb::Nodes => nodes::run(),
+        Verb::Graph(args) => graph::run(args),
+        Verb::Nodes(args) => nodes::run(args),
+        Verb::Schema => schema::run(),
         Verb::Presets(args) => presets::run(args),
         Verb::Verify(args) => verify::run(args),
         Verb::Completions(args) => completions::run(args),

@@ -1,22 +1,32 @@
-//! `nodes`: the operations.
+//! `nodes`: the operations, and the reference page of one.
 
 use std::io::Write as _;
 
+use super::args::Nodes;
 use super::exit::{Exit, Failure};
+use super::load::short;
+use crate::graph::reference;
 use crate::node;
+use crate::preset::suggest;
 
-/// List the operations by category.
-pub(super) fn run() -> Result<Exit, Failure> {
-    let mut out = anstream::stdout();
-    let width = node::ops().map(|op| op.spec.name.len()).max().unwrap_or(0);
-    let mut category = None;
-    for op in node::ops() {
-        if category != Some(op.spec.category) {
-            let gap = if category.is_some() { "\n" } else { "" };
-            writeln!(out, "{gap}{}", op.spec.category.name())?;
-            category = Some(op.spec.category);
+/// List the operations by category, or show one.
+pub(super) fn run(args: &Nodes) -> Result<Exit, Failure> {
+    let Some(name) = &args.op else {
+        anstream::stdout().write_all(reference::index().as_bytes())?;
+        return Ok(Exit::Done);
+    };
+    match node::find(name) {
+        Some(op) => {
+            anstream::stdout().write_all(reference::page(op).as_bytes())?;
+            Ok(Exit::Done)
         }
-        writeln!(out, "  {:width$}  {}", op.spec.name, op.spec.summary)?;
+        None => {
+            let names: Vec<&str> = node::ops().map(|op| op.spec.name).collect();
+            let help = match suggest::nearest(name, names) {
+                Some(near) => format!("did you mean `{near}`?"),
+                None => "`ophidian nodes` lists them".into(),
+            };
+            Err(Failure::usage(format!("there is no operation `{}`", short(name)), help))
+        }
     }
-    Ok(Exit::Done)
 }

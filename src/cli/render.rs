@@ -40,6 +40,12 @@ pub(super) fn warnings(warnings: &[Diagnostic], sources: &SourceMap) {
     }
 }
 
+/// Tell a warning that has no place in a preset.
+pub(super) fn warning(message: &str, help: &str) {
+    let group = Group::with_title(Level::WARNING.primary_title(message)).element(Level::HELP.message(help));
+    tell(&renderer().render(&[group]));
+}
+
 fn tell(text: &str) {
     // Nowhere is left to tell that standard error is closed.
     let _ = writeln!(anstream::stderr(), "{text}");
@@ -114,8 +120,8 @@ fn snippet<'a>(
     let first = spans.iter().map(|s| s.start).min().unwrap_or(0);
     let last = spans.iter().map(|s| s.end).max().unwrap_or(0);
     let near = boundary(first.saturating_sub(AROUND), -1);
-    let from = text[near..first].find('\n').map_or(near, |n| near + n + 1);
-    let from = if near == 0 { 0 } else { from };
+    // Whole lines before the place, for its column.
+    let from = text[..near].rfind('\n').map_or(0, |n| n + 1);
     let to = boundary(last.saturating_add(AROUND), 1);
     let to = text[last..to].find('\n').map_or(to, |n| last + n);
     let mut snippet = Snippet::source(&text[from..to])

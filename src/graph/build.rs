@@ -112,7 +112,7 @@ pub fn resolve(sketch: &Sketch) -> Result<Graph, Vec<BuildError>> {
                     errors.push(BuildError::new(
                         "type-mismatch",
                         format!("map {kind} is a single plane, but its source is a color"),
-                        "take one channel with `split` or the brightness with `luminance`",
+                        "take one channel with `split` or the brightness with `grayscale`",
                         map.span.clone(),
                     ));
                 }
@@ -343,7 +343,7 @@ fn kind_of(draft: &NodeDraft, inputs: &[Source], nodes: &[GraphNode], errors: &m
                 errors.push(BuildError::new(
                     "type-mismatch",
                     format!("node {}: {} takes a scalar, but its source is a color", draft.name, input.name),
-                    "take one channel with `split` or the brightness with `luminance`",
+                    "take one channel with `split` or the brightness with `grayscale`",
                     set.and_then(|s| s.span.clone()),
                 ));
             }

@@ -50,7 +50,7 @@ pub(super) fn name(document: &Document, diagnostics: &mut Diagnostics) -> String
     }
     let own = document.root.get("name").filter(|value| is_own(document, value));
     if let Some((value, name)) = own.and_then(|value| Some((value, value.get_ref().as_str()?))) {
-        if !name.is_empty() && name.len() <= MAX_NAME && name.chars().all(is_legal) {
+        if is_name(name) {
             return name.to_owned();
         }
         let message = "the preset's name becomes part of file names and cannot be this";
@@ -59,6 +59,11 @@ pub(super) fn name(document: &Document, diagnostics: &mut Diagnostics) -> String
         diagnostics.push(Diagnostic::error("bad-name", message).at(value.span(), "").help(help));
     }
     stem(&document.name)
+}
+
+/// Whether a text can name a preset.
+pub(super) fn is_name(name: &str) -> bool {
+    !name.is_empty() && name.len() <= MAX_NAME && name.chars().all(is_legal)
 }
 
 fn is_legal(c: char) -> bool {
@@ -97,7 +102,9 @@ mod tests {
         let text = Loaded { name: file.into(), bytes: text.into() };
         let mut document = Document::load_text(text, &Base).expect("valid TOML");
         let mut diagnostics = Diagnostics::new();
-        set.iter().for_each(|s| drop(overrides::apply(&mut document, s, &mut diagnostics)));
+        for setting in set {
+            assert!(overrides::apply(&mut document, setting, &mut diagnostics));
+        }
         document
     }
 
@@ -115,7 +122,7 @@ mod tests {
 
     #[test]
     fn another_seed_is_what_the_preset_with_that_seed_would_be() {
-        let text = "[nodes.n]\nop = 'perlin'\n[maps]\nheight = { from = 'n', range = [0, 1] }";
+        let text = "[nodes.n]\nop = 'perlin_noise'\n[maps]\nheight = { from = 'n', range = [0, 1] }";
         let own = from_document(&load("a.toml", &format!("seed = 7\n{text}"), &[]), None).expect("sound");
         let other = from_document(&load("a.toml", text, &[]), Some(7)).expect("sound");
         let seeds = |g: &Graph| (g.seed, g.nodes.iter().map(|n| n.seed).collect::<Vec<_>>());

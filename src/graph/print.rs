@@ -10,6 +10,9 @@ use crate::node::{self, Fallback};
 pub fn to_toml(graph: &Graph) -> String {
     let mut out = String::new();
     let _ = writeln!(out, "# The graph of {}, nodes only.", comment(&graph.name));
+    if super::from_document::is_name(&graph.name) {
+        let _ = writeln!(out, "name = \"{}\"", graph.name);
+    }
     let _ = writeln!(out, "seed = {}\n\n[tile]", graph.seed);
     let _ = writeln!(out, "girth_mm = {}", number(graph.girth_mm));
     let _ = writeln!(out, "length_mm = {}\n\n[maps]", number(graph.length_mm));

@@ -70,7 +70,7 @@ pub fn build(document: &Document) -> Result<(Graph, Vec<Diagnostic>), PresetErro
             section::read_with(seed, "the preset", &|d| serde::Deserialize::deserialize(d), &mut diagnostics);
         sketch.seed = read.unwrap_or(0);
     }
-    read_anatomy(document, &mut sketch, &mut diagnostics);
+    let anatomy = read_anatomy(document, &mut sketch, &mut diagnostics);
     if let Some(tile) = document.root.get("tile") {
         let read: Option<Tile> = section::read(tile, "[tile]", &mut diagnostics);
         if let Some(tile) = read {
@@ -79,21 +79,31 @@ pub fn build(document: &Document) -> Result<(Graph, Vec<Diagnostic>), PresetErro
     }
     read_nodes(document, &mut sketch.draft, &mut diagnostics);
     read_maps(document, &mut sketch.maps, &mut diagnostics);
-    // With a node missing, every reader of it would be told as well.
-    if diagnostics.has_errors() {
-        return Err(PresetError { diagnostics: diagnostics.into_list(), sources: document.sources.clone() });
+    let failed = |diagnostics: Diagnostics| {
+        Err(PresetError { diagnostics: diagnostics.into_list(), sources: document.sources.clone() })
+    };
+    // Without the anatomy's nodes, every reader of them would be told.
+    if !anatomy {
+        return failed(diagnostics);
     }
     match resolve(&sketch) {
-        Ok(graph) => Ok((graph, diagnostics.into_list())),
-        Err(errors) => {
+        Ok(graph) if !diagnostics.has_errors() => Ok((graph, diagnostics.into_list())),
+        Ok(_) => failed(diagnostics),
+        Err(mut errors) => {
+            // What is wrong with a node has been told; that its readers miss it has not to be.
+            let written = document.root.get("nodes").and_then(|nodes| nodes.get_ref().as_table());
+            errors.retain(|e| {
+                let missed = e.candidates.as_ref().filter(|_| e.code == "unknown-node").map(|(word, _)| word);
+                missed.is_none_or(|word| written.is_none_or(|nodes| !nodes.contains_key(word.as_str())))
+            });
             diagnostics.extend(errors.iter().map(|e| e.to_diagnostic(&document.sources)));
-            Err(PresetError { diagnostics: diagnostics.into_list(), sources: document.sources.clone() })
+            failed(diagnostics)
         }
     }
 }
 
-/// Read the anatomy's sections and lower them; a preset without any is nodes only.
-fn read_anatomy(document: &Document, sketch: &mut Sketch, diagnostics: &mut Diagnostics) {
+/// Read the anatomy's sections and lower them; a preset without any is nodes only. True if nothing is wrong with it.
+fn read_anatomy(document: &Document, sketch: &mut Sketch, diagnostics: &mut Diagnostics) -> bool {
     let is_section = |key: &str| skin::SECTIONS.contains(&key);
     let sections: Table = document
         .root
@@ -102,19 +112,33 @@ fn read_anatomy(document: &Document, sketch: &mut Sketch, diagnostics: &mut Diag
         .map(|(key, value)| (key.clone(), value.clone()))
         .collect();
     if sections.is_empty() {
-        return;
+        return true;
+    }
+    // One section at a time, so that messages name it.
+    let before = diagnostics.len();
+    for (key, value) in &sections {
+        let alone: Table = [(key.clone(), value.clone())].into_iter().collect();
+        let alone = toml::Spanned::new(value.span(), Item::Table(alone));
+        let _: Option<Skin> = section::read(&alone, &format!("[{}]", key.get_ref()), diagnostics);
+    }
+    if diagnostics.len() > before {
+        return false;
     }
     let start = document.sources.sources().first().map_or(0, |s| s.base);
     let anatomy = toml::Spanned::new(start..start, Item::Table(sections));
-    let Some(skin) = section::read::<Skin>(&anatomy, "the preset", diagnostics) else { return };
+    let Some(skin) = section::read::<Skin>(&anatomy, "the preset", diagnostics) else { return false };
     match skin::lower(&skin) {
         Ok(lowered) => {
             let map = |(wire, range)| MapDraft { wire, range, span: None };
             sketch.draft = lowered.draft;
             sketch.maps = lowered.maps.into_iter().map(|(kind, m)| (kind, map(m))).collect();
             sketch.size_mm = lowered.size_mm;
+            true
         }
-        Err(errors) => diagnostics.extend(errors.iter().map(|e| section::range_error(e, &anatomy))),
+        Err(errors) => {
+            diagnostics.extend(errors.iter().map(|e| section::range_error(e, &anatomy)));
+            false
+        }
     }
 }
 
@@ -364,7 +388,7 @@ pub fn read_maps(document: &Document, maps: &mut BTreeMap<MapKind, MapDraft>, di
             continue;
         };
         let before = diagnostics.len();
-        let mut range = maps.get(&kind).map_or([0.0, 1.0], |m| m.range);
+        let mut range = maps.get(&kind).map_or(kind.default_range(), |m| m.range);
         let mut wire = maps.get(&kind).map(|m| m.wire.clone());
         match value.get_ref() {
             Item::Table(keys) => {

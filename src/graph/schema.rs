@@ -19,6 +19,13 @@ pub fn schema() -> Value {
             "anyOf": [{ "type": "string" }, { "type": "array", "items": { "type": "string" } }],
         }),
     );
+    for (key, description) in [
+        ("name", "Name in file names; the file's own name unless set. Letters, digits, `_` and `-`."),
+        ("common_name", "What the animal is called."),
+        ("description", "What it looks like, in a sentence."),
+    ] {
+        properties.insert(key.into(), json!({ "description": description, "type": "string" }));
+    }
     properties.insert(
         "seed".into(),
         json!({
@@ -220,12 +227,11 @@ fn maps() -> Value {
         ],
     });
     let range = json!({
-        "description": "The values, in the map's unit, that files of whole numbers store as 0 and 1.",
+        "description": "The values, in the map's unit, that files of whole numbers store as 0 and 1; 0 to 1 for most maps unless set, -1 to 1 for normal and curvature, 0 to 1000 for iridescence.",
         "type": "array",
         "items": { "type": "number" },
         "minItems": 2,
         "maxItems": 2,
-        "default": [0, 1],
     });
     let map = json!({
         "anyOf": [

@@ -62,7 +62,7 @@ pub fn check(schema: &schemars::Schema, value: &Value, diagnostics: &mut Diagnos
 /// A setting's error at the place of its value in `section`.
 pub fn range_error(error: &ParamError, section: &Value) -> Diagnostic {
     Diagnostic::error("out-of-range", &error.message)
-        .at(span_of(section, &error.key), error.help.clone())
+        .at(span_of(section, &error.key), "")
         .help(error.help.clone())
 }
 

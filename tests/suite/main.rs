@@ -1,1 +1,5 @@
+//! The one integration-test binary: what holds across rooms.
 
+mod bad_presets;
+mod cli;
+mod mutations;
