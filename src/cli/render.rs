@@ -58,6 +58,9 @@ fn renderer() -> Renderer {
 
 /// Diagnostics as text, a blank line between two, plain or coloured as `renderer` says.
 pub(super) fn diagnostics(list: &[Diagnostic], sources: &SourceMap, renderer: &Renderer) -> String {
+    // As they stand in the texts; what stands nowhere comes last.
+    let mut list: Vec<&Diagnostic> = list.iter().collect();
+    list.sort_by_key(|d| d.span().map_or(usize::MAX, |span| span.start));
     let shown: Vec<String> = list.iter().take(SHOWN).map(|d| one(d, sources, renderer)).collect();
     let mut text = shown.join("\n\n");
     if list.len() > SHOWN {
