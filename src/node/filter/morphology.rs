@@ -39,7 +39,7 @@ const INPUTS: [InputSpec; 3] = [
         "radius",
         0.005,
         (0.0, 1000.0),
-        "unit",
+        "tile or mm",
         "How far the outline moves, in tile fractions or mm by `unit`; 0.001 to 0.05 tile.",
     ),
 ];

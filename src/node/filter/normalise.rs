@@ -37,13 +37,30 @@ impl Operation for Normalise {
         let (low, high) = rows
             .clone()
             .into_par_iter()
-            .map(|y| num::min_max(image.row(y)))
+            .map(|y| range(image.row(y)))
             .reduce(|| (f32::INFINITY, f32::NEG_INFINITY), |a, b| (a.0.min(b.0), a.1.max(b.1)));
         let (width, first) = (outs.width(), rows.start);
         let Some(band) = outs.band(0) else { return };
         band.par_chunks_mut(width).enumerate().for_each(|(i, out)| {
             kernel(low, high, image.row(first + i as i64), out);
         });
+    }
+}
+
+multiversion! {
+    // Least and greatest value of a row, lane by lane.
+    fn range(row: &[f32]) -> (f32, f32) {
+        let (mut low, mut high) = ([f32::INFINITY; 32], [f32::NEG_INFINITY; 32]);
+        let (blocks, rest) = row.as_chunks::<32>();
+        for block in blocks {
+            for i in 0..32 {
+                low[i] = low[i].min(block[i]);
+                high[i] = high[i].max(block[i]);
+            }
+        }
+        let least = low.iter().chain(rest).fold(f32::INFINITY, |a, &b| a.min(b));
+        let most = high.iter().chain(rest).fold(f32::NEG_INFINITY, |a, &b| a.max(b));
+        (least, most)
     }
 }
 
@@ -68,9 +85,9 @@ mod tests {
 
     #[test]
     fn the_ends_become_0_and_1_and_order_stays() {
-        let a = noise(13, 5, 1);
-        let b = Plane::from_fn(13, 5, |x, y| -7.0 + 40.0 * a.at(x as i64, y as i64));
-        let out = run(&Normalise::default(), &grid(13, 5), &[P(&b)]);
+        let a = noise(77, 5, 1);
+        let b = Plane::from_fn(77, 5, |x, y| -7.0 + 40.0 * a.at(x as i64, y as i64));
+        let out = run(&Normalise::default(), &grid(77, 5), &[P(&b)]);
         assert_eq!(num::min_max(out.data()), (0.0, 1.0));
         let (lo, hi) = num::min_max(a.data());
         for (o, x) in out.data().iter().zip(a.data()) {

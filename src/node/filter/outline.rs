@@ -51,7 +51,7 @@ impl Operation for Outline {
                 "width",
                 0.005,
                 (0.0, 1000.0),
-                "unit",
+                "tile or mm",
                 "Width of the line, in tile fractions or mm by `unit`; 0.002 to 0.02 tile.",
             ),
         ],
