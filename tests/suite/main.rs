@@ -2,4 +2,6 @@
 
 mod bad_presets;
 mod cli;
+mod conformance;
+mod layers;
 mod mutations;

@@ -56,6 +56,8 @@ impl Operation for BlueNoise {
             "The cell's value, in (0, 1), mean 0.5; every value occurs once.",
         )],
         random: true,
+        // A cell may be as small as a texel of a coarse grid.
+        scale_tolerance: 0.12,
         ..Spec::GENERATOR
     };
 

@@ -95,6 +95,8 @@ impl Operation for Stripes {
                 "Number of the band from 0; bands that join up across a seam have one number.",
             ),
         ],
+        // The phase jumps from 1 to 0, sharp at every size.
+        scale_tolerance: 0.08,
         ..Spec::GENERATOR
     };
 

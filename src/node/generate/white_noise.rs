@@ -35,6 +35,8 @@ impl Operation for WhiteNoise {
         inputs: &[OFFSETS[0], OFFSETS[1]],
         outputs: &[OutputSpec::scalar("value", "", "The cell's value, uniform in [0, 1).")],
         random: true,
+        // A cell may be as small as a texel of a coarse grid.
+        scale_tolerance: 0.12,
         ..Spec::GENERATOR
     };
 

@@ -76,6 +76,8 @@ impl Operation for TileSampler {
         ],
         positional: true,
         random: true,
+        // Numbers and places jump from copy to copy, sharp at every size.
+        scale_tolerance: 0.2,
         ..Spec::FILTER
     };
 
