@@ -15,7 +15,32 @@ macro_rules! presets {
 }
 
 /// Every built-in preset: name and text, sorted by name.
-pub const BUILTIN: &[(&str, &str)] = presets!["lampropeltis_triangulum"];
+pub const BUILTIN: &[(&str, &str)] = presets![
+    "acrochordus_javanicus",
+    "atheris_hispida",
+    "bitis_gabonica",
+    "bitis_nasicornis",
+    "bothrops_alternatus",
+    "bungarus_fasciatus",
+    "crotalus_atrox",
+    "dendroaspis_viridis",
+    "drymarchon_couperi",
+    "epicrates_cenchria",
+    "erythrolamprus_miliaris",
+    "lampropeltis_triangulum",
+    "leiopython_albertisii",
+    "malayopython_reticulatus",
+    "micrurus_diastema",
+    "morelia_viridis",
+    "pantherophis_guttatus",
+    "phalotris_lemniscatus",
+    "philodryas_aestiva",
+    "philodryas_olfersii",
+    "ptychophis_flavovirgatus",
+    "python_regius",
+    "thamnophis_sirtalis",
+    "xenopeltis_unicolor",
+];
 
 /// The text of a built-in preset.
 pub fn find(name: &str) -> Option<&'static str> {

@@ -315,7 +315,9 @@ painter! {
     },
     {
         let s = x / pen.half_width;
-        body_height(pen, x, y + 0.5 * pen.half_length * (s * s).min(4.0))
+        // The ends sink to the base, so that the lowest row can lie over them.
+        let ends = 1.0 - num::smoothstep(0.8, 1.0, s.abs());
+        ends * body_height(pen, x, y + 0.5 * pen.half_length * (s * s).min(4.0))
     }
 }
 
