@@ -128,7 +128,7 @@ mod tests {
 
     multiversion! {
         fn axpy(a: f32, x: &[f32], y: &mut [f32]) {
-            for (y, x) in y.iter_mut().zip(x) { *y = a * *x + *y; }
+            for (y, x) in y.iter_mut().zip(x) { *y += a * *x; }
         }
     }
 

@@ -7,6 +7,6 @@ mod run;
 mod single;
 mod trace;
 
-pub use run::{Cancelled, Control, Evaluation, MapPlanes, run};
+pub use run::{Cancelled, Control, Evaluation, MapPlanes, OnProgress, run};
 pub use single::{Input, run_node};
 pub use trace::{StepTime, Trace};

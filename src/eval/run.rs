@@ -33,13 +33,16 @@ pub struct Evaluation {
 #[error("cancelled")]
 pub struct Cancelled;
 
+/// Told how far a plan is, from any thread.
+pub type OnProgress<'a> = &'a (dyn Fn(f32, &str) + Sync);
+
 /// What a caller can say while a plan runs.
 #[derive(Clone, Copy, Default)]
 pub struct Control<'a> {
     /// Set it to stop at the next band.
     pub cancel: Option<&'a AtomicBool>,
     /// Called with the share of the planned cost that is done, in [0, 1], and the name of a step at work.
-    pub progress: Option<&'a (dyn Fn(f32, &str) + Sync)>,
+    pub progress: Option<OnProgress<'a>>,
 }
 
 impl Control<'_> {

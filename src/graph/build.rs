@@ -236,6 +236,7 @@ fn check_constant(
     }
 }
 
+#[expect(clippy::result_large_err, reason = "made once per mistake of an author")]
 fn find_source(
     wire: &Wire,
     drafts: &[NodeDraft],
@@ -279,6 +280,7 @@ fn find_source(
 }
 
 /// Topological order, stable in the order of the drafts.
+#[expect(clippy::result_large_err, reason = "made once per mistake of an author")]
 fn order(drafts: &[NodeDraft], wired: &[Vec<Source>]) -> Result<Vec<usize>, BuildError> {
     #[derive(Clone, Copy, PartialEq)]
     enum Mark {

@@ -75,10 +75,10 @@ impl Lowering<'_> {
     /// Mark what the wanted maps reach. Nodes are in order, so one walk backwards is enough.
     fn mark(&mut self, wanted: &[MapKind]) {
         for kind in wanted {
-            if let Some(map) = self.graph.maps.get(kind) {
-                if let Source::Output(o) = self.see_through(map.source) {
-                    self.live.insert((o.node, o.port));
-                }
+            if let Some(map) = self.graph.maps.get(kind)
+                && let Source::Output(o) = self.see_through(map.source)
+            {
+                self.live.insert((o.node, o.port));
             }
         }
         for node in (0..self.graph.nodes.len()).rev() {

@@ -1,9 +1,9 @@
 //! WHAT IS NEEDED: live steps in order, fused into stages, with buffers and bytes known before they are spent.
 //!
 //! From a [`Graph`], the wanted maps and a [`Domain`]:
-//! 1. [`live`](lower): walk back from the wanted maps; what is not reached is never planned. Forwarding nodes
+//! 1. live: walk back from the wanted maps; what is not reached is never planned. Forwarding nodes
 //!    (`switch`) vanish, equal sub-graphs are planned once, constant sub-graphs fold to a number.
-//! 2. [`stages`](stage): steps that can share a pass over bands of rows run in one stage; values that live only
+//! 2. stages: steps that can share a pass over bands of rows run in one stage; values that live only
 //!    inside it stay in scratch that fits the cache and never become planes.
 
 mod lower;

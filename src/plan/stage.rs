@@ -146,10 +146,10 @@ fn assign_scratch(steps: &[Step], rows: &[usize], homes: &mut [Home]) -> usize {
         done.sort_unstable();
         done.dedup();
         for lane in done {
-            if let Home::Scratch(slot) = homes[lane] {
-                if slot != usize::MAX {
-                    free.push(slot);
-                }
+            if let Home::Scratch(slot) = homes[lane]
+                && slot != usize::MAX
+            {
+                free.push(slot);
             }
         }
     }

@@ -138,7 +138,7 @@ mod tests {
         let domain = Domain::square(33);
         let values = (0..7 * 5).map(|i| (i * i % 11) as f32).collect();
         let field = Field { width: 7, height: 5, values };
-        let map = sample(&field, &domain, 3, 0.2, &vec![-0.4; 33]);
+        let map = sample(&field, &domain, 3, 0.2, &[-0.4; 33]);
         let (du, dv) = (vec![0.2; 33], vec![-0.4; 33]);
         let lanes = [Rows::broadcast(&du), Rows::broadcast(&dv)];
         let mut at = Coords::new(33);

@@ -78,7 +78,6 @@ impl Operation for TileSampler {
         random: true,
         // Numbers and places jump from copy to copy, sharp at every size.
         scale_tolerance: 0.2,
-        ..Spec::FILTER
     };
 
     fn reach(&self, _: &Domain) -> Reach {
