@@ -59,8 +59,10 @@ pub fn named(word: &str) -> Result<&'static str, String> {
     if let Some((name, _)) = BUILTIN.iter().find(|(name, _)| *name == wanted) {
         return Ok(name);
     }
-    let common: Vec<(&str, String)> =
-        BUILTIN.iter().filter_map(|(name, text)| Some((*name, plain(&common_name(text)?)))).collect();
+    let common: Vec<(&str, String)> = BUILTIN
+        .iter()
+        .flat_map(|(name, text)| common_names(text).into_iter().map(|common| (*name, plain(&common))))
+        .collect();
     if let Some((name, _)) = common.iter().find(|(_, common)| *common == wanted) {
         return Ok(name);
     }
@@ -74,9 +76,15 @@ pub fn named(word: &str) -> Result<&'static str, String> {
     })
 }
 
-fn common_name(text: &str) -> Option<String> {
-    let document = Document::parse("", text).ok()?;
-    Some(document.root.get("common_name")?.get_ref().as_str()?.to_owned())
+/// The common name, as a whole and in parts: "Milk snake (red form)" is also "Milk snake", "Urutu / crossed pit
+/// viper" is also each of the two.
+fn common_names(text: &str) -> Vec<String> {
+    let document = Document::parse("", text).ok();
+    let name = document.as_ref().and_then(|d| d.root.get("common_name")?.get_ref().as_str());
+    let Some(name) = name else { return Vec::new() };
+    let short = name.split_once(" (").map_or(name, |(short, _)| short);
+    let parts = std::iter::once(name).chain(std::iter::once(short)).chain(short.split(" / "));
+    parts.map(str::to_owned).collect()
 }
 
 /// Loads built-in presets only: what a library user without files, and the presets' own includes, need.
@@ -143,6 +151,14 @@ mod tests {
             assert_eq!(named(word), Err("did you mean `lampropeltis_triangulum`?".into()), "{word}");
         }
         assert!(named("zzz").is_err_and(|help| help.contains("ophidian presets")));
+    }
+
+    #[test]
+    fn parts_of_common_names_are_names() {
+        let names = |name: &str| common_names(&format!("common_name = '{name}'"));
+        assert_eq!(names("Milk snake (red form)")[1..], ["Milk snake", "Milk snake"]);
+        assert_eq!(names("Urutu / crossed pit viper")[2..], ["Urutu", "crossed pit viper"]);
+        assert!(common_names("common_name = 3").is_empty() && common_names("x").is_empty());
     }
 
     #[test]
