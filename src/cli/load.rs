@@ -84,7 +84,9 @@ impl Preset {
     /// If there is no such preset, or any of its texts or the settings cannot be read.
     pub(super) fn open(word: &str, settings: &[String]) -> Result<Self, Failure> {
         let files = Files::default();
-        let is_file = word.ends_with(".toml") || word.contains(['/', '\\']) || Path::new(word).is_file();
+        // A common name may hold a slash: "Urutu / crossed pit viper".
+        let is_path = || word.contains(['/', '\\']) && builtin::named(word).is_err();
+        let is_file = word.ends_with(".toml") || Path::new(word).is_file() || is_path();
         let loaded = if is_file {
             files.read(Path::new(word)).map_err(|(exit, message)| Failure::Message {
                 exit,
