@@ -25,6 +25,7 @@ use crate::node::convert::{
     HeightToAmbientOcclusion, HeightToCurvature, HeightToNormal, HeightToTranslucency,
 };
 use crate::node::draft::{Draft, Wire};
+use crate::node::pattern::{Activation, Reaction};
 use crate::node::{Operation, ParamError};
 
 pub use belly::{Belly, BellyPattern};
@@ -189,6 +190,22 @@ fn check(skin: &Skin, lattice: &[ParamError]) -> Vec<ParamError> {
             ));
         }
         names.push(&layer.name);
+        let custom = (layer.kind == LayerKind::Reaction && layer.reaction == Reaction::Custom)
+            || (layer.kind == LayerKind::Automaton && layer.activation == Activation::Custom);
+        if custom {
+            errors.push(ParamError::new(
+                &format!("{key}.kind"),
+                "a layer takes a named reaction or automaton, not `custom`",
+                "for rates of your own add a node `gray_scott` or `young_automaton` and wire it in",
+            ));
+        }
+        if layer.kind == LayerKind::Sketch && layer.file.is_empty() {
+            errors.push(ParamError::new(
+                &format!("{key}.kind"),
+                "a sketch needs its image",
+                "set `file = \"sketch.png\"`, relative to the preset",
+            ));
+        }
         if layer.from >= layer.to {
             errors.push(ParamError::new(
                 &format!("{key}.from"),

@@ -6,9 +6,12 @@ use super::lowering::Lowering;
 use crate::base::Srgb8;
 use crate::node::combine::{Add, Max};
 use crate::node::draft::Wire;
-use crate::node::filter::Levels;
+use crate::node::filter::{Distance, Invert, Levels, Warp};
 use crate::node::generate::{Basis, Fractal, Sum, Worley};
-use crate::node::pattern::{BodyStripe, MarkShape, Marks, Sides};
+use crate::node::input::Image;
+use crate::node::pattern::{
+    Activation, BodyStripe, GrayScott, MarkShape, Marks, Reaction, Sides, YoungAutomaton,
+};
 
 /// The six classes of snake patterns (Pinheiro and Walter; thesis 3.1.1). It only says what the layers amount to.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
@@ -48,6 +51,12 @@ pub enum LayerKind {
     Scatter,
     /// Fine dots within the scales: `size` in scales, `coverage`.
     Speckle,
+    /// What a reaction and diffusion of pigment make: `reaction`, `size` (one period) in scales.
+    Reaction,
+    /// What Young's cellular automaton makes: `activation`, `size` (one period) in scales.
+    Automaton,
+    /// A drawing of one's own: `file`, bright is mark; it gets the outlines and the distortion of any other layer.
+    Sketch,
 }
 
 /// One layer of the pattern. Lateral lengths are in flanks: 0 mid-back, 1 the belly's edge, above 1 the belly.
@@ -127,6 +136,12 @@ pub struct Layer {
     /// Share of the skin that patches, spots, chosen scales or dots take.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub coverage: f32,
+    /// Which reaction; the names are those of the node `gray_scott`, without `custom`.
+    pub reaction: Reaction,
+    /// Which automaton; the names are those of the node `young_automaton`, without `custom`.
+    pub activation: Activation,
+    /// Image file of a sketch, relative to the preset: PNG or EXR, spread over the whole tile.
+    pub file: String,
     /// Strength of the edges' distortion by noise; the pattern's if not set.
     #[schemars(range(min = 0.0, max = 10.0), extend("x-unit" = "row widths"))]
     pub edge_distortion: Option<f32>,
@@ -186,6 +201,9 @@ impl Default for Layer {
             rows: 1.0,
             size: 4.0,
             coverage: 0.3,
+            reaction: Reaction::Spots,
+            activation: Activation::Spots,
+            file: String::new(),
             edge_distortion: None,
             quantise: None,
             softness: 0.15,
@@ -403,6 +421,43 @@ impl Pattern {
                 };
                 field_distance(l, name, chosen, 1.0 - layer.coverage, 20.0 * l.row_mm)
             }
+            LayerKind::Reaction | LayerKind::Automaton => {
+                let size_mm = layer.size * scale_mm;
+                let cells = ((l.girth_mm.min(l.length_mm) / size_mm).round() as u32).clamp(1, 64);
+                let at = [("du", du.clone()), ("dv", dv.clone())];
+                let field = if layer.kind == LayerKind::Reaction {
+                    let node = GrayScott { reaction: layer.reaction, cells, ..GrayScott::default() };
+                    l.add(format!("{name}_reaction"), node, &at)
+                } else {
+                    let node =
+                        YoungAutomaton { activation: layer.activation, cells, ..YoungAutomaton::default() };
+                    l.add(format!("{name}_automaton"), node, &at)
+                };
+                let grown = field_distance(l, name, field, 0.5, 0.5 * size_mm);
+                let distort = self.distortion(l, layer, name, quantise);
+                l.add(format!("{name}_grown"), Add::default(), &[("a", grown), ("b", distort)])
+            }
+            LayerKind::Sketch => {
+                let image = l.add(
+                    format!("{name}_image"),
+                    Image { file: layer.file.clone(), ..Image::default() },
+                    &[],
+                );
+                let outside = l.add(
+                    format!("{name}_outside_mm"),
+                    Distance::default(),
+                    &[("mask", image.port("value"))],
+                );
+                let at_scale = l.add(
+                    format!("{name}_at_scale"),
+                    Warp::default(),
+                    &[("image", outside), ("du", du.clone()), ("dv", dv.clone())],
+                );
+                // The node's distance is negative inside, a layer's positive.
+                let inside = l.multiply(format!("{name}_inside_mm"), at_scale, (-1.0).into());
+                let distort = self.distortion(l, layer, name, quantise);
+                l.add(format!("{name}_sketch"), Add::default(), &[("a", inside), ("b", distort)])
+            }
             LayerKind::Speckle => {
                 let (cells_u, cells_v) = l.cells(layer.size * scale_mm);
                 let noise = l.add(
@@ -491,11 +546,7 @@ fn window(l: &mut Lowering<'_>, layer: &Layer, name: &str, below: Option<&Wire>)
         let part = if layer.within > 0 {
             below.clone()
         } else {
-            l.add(
-                format!("{name}_outside"),
-                crate::node::filter::Invert::default(),
-                &[("image", below.clone())],
-            )
+            l.add(format!("{name}_outside"), Invert::default(), &[("image", below.clone())])
         };
         and(l, &mut window, part, "window_within");
     }
