@@ -44,6 +44,11 @@ fn variants(op: &'static Op, ends: bool) -> Vec<Variant> {
     for setting in docs.iter().filter(|s| s.kind == "text") {
         settings.insert(setting.name.clone(), toml::Value::String("test".into()));
     }
+    // A model of pigment is solved on a grid of its own, thousands of times: the smallest shows as much.
+    let model = op.spec.category == Category::Pattern;
+    if model && settings.contains_key("cells") {
+        settings.insert("cells".into(), 2.into());
+    }
     let mut tables = vec![("default".to_owned(), settings.clone())];
     let mut put = |key: &str, value: toml::Value| {
         let mut table = settings.clone();
@@ -68,6 +73,7 @@ fn variants(op: &'static Op, ends: bool) -> Vec<Variant> {
                 put(key, true.into());
                 put(key, false.into());
             }
+            "whole number" if model => {}
             "number" | "whole number" if ends => {
                 let bound = |name: &str| schemas.iter().find_map(|s| s.get(name)?.as_i64());
                 if let (Some(min), Some(max)) = (bound("minimum"), bound("maximum"))
@@ -143,6 +149,10 @@ fn probe(input: &InputSpec, index: usize, domain: &Domain) -> Plane {
     let wave = |t: f32| (std::f32::consts::TAU * t).sin();
     Plane::from_fn(domain.width, domain.height, |x, y| {
         let (u, v) = (domain.u(x), domain.v(y as i64));
+        if input.name == "mask" && input.fallback == Fallback::Required {
+            // Islands that do not touch, so that every size sees as many.
+            return 0.5 + 0.4 * (wave(2.0 * u + 0.13 * k) * wave(2.0 * v + 0.07) - 0.3);
+        }
         let a = wave(2.0 * u + v + 0.13 * k);
         let b = wave(u - 3.0 * v + 0.41 * k);
         if STEPS.contains(&input.name) {
