@@ -152,21 +152,20 @@ impl Operation for Marks {
 
     fn eval(&self, cx: &Cx<'_>, rows: Range<i64>, ins: &Inputs<'_>, outs: &mut Outputs<'_>) {
         let series = Series::new(self, cx);
+        let kernel = if self.shape == MarkShape::Ellipse { ellipses } else { quads };
         let mut random = vec![0.0; outs.width()];
         let mut distance = vec![0.0; outs.width()];
         for y in rows {
             let v = cx.domain.v(y);
-            kernel(
-                series,
-                v,
-                ins.row(DISTORT, y),
-                ins.row(DU, y),
-                ins.row(DV, y),
-                &mut distance,
-                &mut random,
-            );
+            distance.fill(-1e6);
+            random.fill(0.0);
+            for side in 0..series.sides {
+                kernel(&series, side, v, ins.row(DU, y), ins.row(DV, y), &mut distance, &mut random);
+            }
             if let Some(out) = outs.row(DISTANCE, y) {
-                out.copy_from_slice(&distance);
+                for ((o, d), push) in out.iter_mut().zip(&distance).zip(ins.row(DISTORT, y)) {
+                    *o = (d + push).max(-1e9).min(1e9);
+                }
             }
             if let Some(out) = outs.row(RANDOM, y) {
                 out.copy_from_slice(&random);
@@ -179,11 +178,10 @@ impl Operation for Marks {
 #[derive(Clone, Copy)]
 struct Series {
     seed: u32,
-    count: i32,
+    count: f32,
     period_mm: f32,
     girth_mm: f32,
-    is_ellipse: bool,
-    sides: i32,
+    sides: u32,
     stagger: f32,
     position_mm: f32,
     half_width: f32,
@@ -206,10 +204,9 @@ impl Series {
         let flank_mm = 0.5 * domain.girth_mm * (1.0 - marks.belly);
         Self {
             seed: cx.seed,
-            count: marks.count as i32,
+            count: marks.count as f32,
             period_mm,
             girth_mm: domain.girth_mm,
-            is_ellipse: marks.shape == MarkShape::Ellipse,
             sides: if marks.sides == Sides::Middle { 1 } else { 2 },
             stagger: if marks.sides == Sides::Alternate { 0.5 } else { 0.0 },
             position_mm: if marks.sides == Sides::Middle { 0.0 } else { marks.position * flank_mm },
@@ -228,68 +225,86 @@ impl Series {
     }
 }
 
-/// Distance to one mark's outline at (`x`, `y`) from its centre, mm, positive inside.
+/// Distance to one four-sided mark's outline at (`x` >= 0, `y`) from its centre, mm, positive inside.
 ///
-/// The quad is bounded by its ends (|x| = half width) and by sides that lean by the taper; distances to those lines are
-/// exact, corners are rounded by a smooth minimum. The ellipse is r (1 - r) / |grad r|, exact to first order.
+/// It is bounded by its ends (|x| = half width) and by sides that lean by the taper; distances to those lines are exact,
+/// corners are rounded by a smooth minimum.
 #[inline(always)]
-fn mark(s: &Series, x: f32, y: f32, size: f32) -> f32 {
-    let (hx, hy) = (s.half_width * size, s.half_length * size);
-    let x = x.abs();
-    let y = y - s.chevron * 2.0 * hy * (x / hx).min(1.0);
-    let (nx, ny) = (x / hx, y / hy);
-    let r = (nx * nx + ny * ny).sqrt();
-    let grad = ((nx / hx) * (nx / hx) + (ny / hy) * (ny / hy)).sqrt();
-    let ellipse = if r > 1e-3 { (r * (1.0 - r) / grad.max(1e-12)).max(-1e6) } else { hx.min(hy) };
+fn quad(s: &Series, x: f32, y: f32, hx: f32, hy: f32) -> f32 {
     let lean = hy * (s.taper - 1.0) / hx;
-    let side = (hy * (1.0 + (s.taper - 1.0) * (x / hx).min(1.0)) - y.abs()) / (1.0 + lean * lean).sqrt();
-    let quad = num::smooth_min(hx - x, side, 2.0 * s.roundness * hx.min(hy));
-    if s.is_ellipse { ellipse } else { quad }
+    let side = (hy + lean * x.min(hx) - y.abs()) / (1.0 + lean * lean).sqrt();
+    num::smooth_min(hx - x, side, 2.0 * s.roundness * hx.min(hy))
 }
 
-multiversion! {
-    fn kernel(
-        s: Series,
-        v: f32,
-        distort: &[f32],
-        du: &[f32],
-        dv: &[f32],
-        distance: &mut [f32],
-        random: &mut [f32],
-    ) {
-        let n = distance.len();
-        let (distort, du, dv, random) = (&distort[..n], &du[..n], &dv[..n], &mut random[..n]);
-        for i in 0..n {
-            let u = (i as f32 + 0.5) * s.texel_u + du[i];
-            let x = num::wrap_half(u - 0.5) * s.girth_mm;
-            let phase = num::fract(v + dv[i]) * s.count as f32 - s.offset;
-            let mut best = -1e6f32;
-            let mut value = 0.0f32;
-            for side in 0..s.sides {
+/// Distance to one ellipse's outline: r (1 - r) / |grad r|, exact to first order at the outline.
+#[inline(always)]
+fn ellipse(_: &Series, x: f32, y: f32, hx: f32, hy: f32) -> f32 {
+    let (nx, ny) = (x / hx, y / hy);
+    let r = (nx * nx + ny * ny).sqrt();
+    let (gx, gy) = (nx / hx, ny / hy);
+    let d = (r * (1.0 - r) / (gx * gx + gy * gy).sqrt().max(1e-12)).max(-1e6);
+    if r > 1e-3 { d } else { hx.min(hy) }
+}
+
+macro_rules! kernel {
+    ($(#[$doc:meta])* $name:ident, $mark:ident) => {
+        multiversion! {
+            $(#[$doc])*
+            fn $name(
+                s: &Series,
+                side: u32,
+                v: f32,
+                du: &[f32],
+                dv: &[f32],
+                distance: &mut [f32],
+                random: &mut [f32],
+            ) {
+                let n = distance.len();
+                let (du, dv, random) = (&du[..n], &dv[..n], &mut random[..n]);
                 let mirror = if side == 1 { -1.0 } else { 1.0 };
-                let p = phase - s.stagger * side as f32;
-                let nearest = p.floor();
-                for step in -1..=1 {
-                    let k = nearest as i32 + step;
-                    let cell = (k % s.count + s.count) % s.count;
-                    let h = hash::hash2(s.seed, cell as u32, side as u32);
-                    let shift = s.jitter * hash::signed(hash::hash1(h, SHIFT));
-                    let size = 1.0 + s.jitter_size * hash::signed(hash::hash1(h, SIZE));
-                    let slip = s.slip * hash::signed(hash::hash1(h, SLIP));
-                    // The slip moves the half left of the mid-back only.
-                    let slip = if x < 0.0 && s.sides == 1 { slip } else { 0.0 };
-                    let y = (p - k as f32 - 0.5 - shift - slip) * s.period_mm;
+                // On the mid-back the slip moves the left half only.
+                let slip = if s.sides == 1 { s.slip } else { 0.0 };
+                let offset = s.offset + s.stagger * side as f32;
+                for i in 0..n {
+                    let u = (i as f32 + 0.5) * s.texel_u + du[i];
+                    let x = num::wrap_half(u - 0.5) * s.girth_mm;
+                    let p = num::fract(v + dv[i]) * s.count - offset;
+                    let nearest = p.floor();
                     // Around the body the mark's centre is met both ways.
-                    let across = num::wrap_half((x * mirror - s.position_mm) / s.girth_mm) * s.girth_mm;
-                    let d = mark(&s, across, y, size);
-                    value = if d > best { hash::unit(hash::hash1(h, VALUE)) } else { value };
-                    best = num::smooth_max(best, d, s.blend_mm);
+                    let across = (num::wrap_half((x * mirror - s.position_mm) / s.girth_mm) * s.girth_mm).abs();
+                    let left = if x < 0.0 { slip } else { 0.0 };
+                    let (mut best, mut value) = (distance[i], random[i]);
+                    for step in [-1.0f32, 0.0, 1.0] {
+                        let k = nearest + step;
+                        // The mark's number, modulo the count; whole numbers below 2^24 are exact.
+                        let cell = k - s.count * (k / s.count).floor();
+                        let h = hash::hash2(s.seed, cell as i32 as u32, side);
+                        let shift = s.jitter * hash::signed(hash::hash1(h, SHIFT));
+                        let size = 1.0 + s.jitter_size * hash::signed(hash::hash1(h, SIZE));
+                        let slipped = left * hash::signed(hash::hash1(h, SLIP));
+                        let (hx, hy) = (s.half_width * size, s.half_length * size);
+                        let along = (p - k - 0.5 - shift - slipped) * s.period_mm;
+                        let bend = s.chevron * 2.0 * hy * (across / hx).min(1.0);
+                        let d = $mark(s, across, along - bend, hx, hy);
+                        value = if d > best { hash::unit(hash::hash1(h, VALUE)) } else { value };
+                        best = num::smooth_max(best, d, s.blend_mm);
+                    }
+                    distance[i] = best;
+                    random[i] = value;
                 }
             }
-            distance[i] = (best + distort[i]).max(-1e9).min(1e9);
-            random[i] = value;
         }
-    }
+    };
+}
+
+kernel! {
+    /// Lay one side's four-sided marks over the distances so far.
+    quads, quad
+}
+
+kernel! {
+    /// Lay one side's ellipses over the distances so far.
+    ellipses, ellipse
 }
 
 #[cfg(test)]
