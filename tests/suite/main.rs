@@ -3,5 +3,6 @@
 mod bad_presets;
 mod cli;
 mod conformance;
+mod docs;
 mod layers;
 mod mutations;
