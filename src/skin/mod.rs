@@ -116,8 +116,20 @@ pub fn lower(skin: &Skin) -> Result<Lowered, Vec<ParamError>> {
     let film = skin.iridescence.film(&mut l);
     let from_height = |h: &Wire| vec![("height", h.clone())];
     let normal = l.add("normal", HeightToNormal::default(), &from_height(&height));
-    let occlusion = l.add("ambient_occlusion", HeightToAmbientOcclusion::default(), &from_height(&height));
-    let curvature = l.add("curvature", HeightToCurvature::default(), &from_height(&height));
+    // Lengths of both follow the scale, so that they mean the same on a worm snake and on a python.
+    let occlusion = HeightToAmbientOcclusion {
+        radius: 0.8 * l.pitch_mm.min(100.0),
+        falloff: 0.5,
+        directions: 8,
+        steps: 6,
+    };
+    let occlusion = l.add(
+        "ambient_occlusion",
+        occlusion,
+        &[("height", height.clone()), ("strength", skin.surface.occlusion.into())],
+    );
+    let curvature = HeightToCurvature { radius: (0.03 * l.row_mm).min(20.0) };
+    let curvature = l.add("curvature", curvature, &from_height(&height));
     let translucency = l.add(
         "translucency",
         HeightToTranslucency::default(),
@@ -130,7 +142,8 @@ pub fn lower(skin: &Skin) -> Result<Lowered, Vec<ParamError>> {
     let max_mm = max_height_mm(&l, &skin.surface);
     let scale_count = l.lattice.rows * l.lattice.count + l.lattice.ventrals;
     let id = l.scales.port("id");
-    let curvature_max = 8.0 / l.row_mm;
+    // A rim's bend over the blur above; keels and rough presets stay below it.
+    let curvature_max = 30.0 / l.row_mm;
     let maps = BTreeMap::from([
         (MapKind::Color, (color, [0.0, 1.0])),
         (MapKind::Height, (height, [0.0, max_mm])),

@@ -35,6 +35,9 @@ pub struct Surface {
     /// Height of the wrinkles of the skin between scales, as a share of the scales' relief.
     #[schemars(range(min = 0.0, max = 2.0))]
     pub skin_wrinkles: f32,
+    /// Strength of the ambient occlusion map: 1 is physical and faint, as scales are low; 2 to 3 reads.
+    #[schemars(range(min = 0.0, max = 4.0))]
+    pub occlusion: f32,
 }
 
 impl Default for Surface {
@@ -48,6 +51,7 @@ impl Default for Surface {
             shed: 0.5,
             micro_relief: 0.03,
             skin_wrinkles: 0.15,
+            occlusion: 2.5,
         }
     }
 }
