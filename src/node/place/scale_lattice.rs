@@ -221,7 +221,6 @@ impl Operation for ScaleLattice {
         positional: true,
         random: true,
         scale_tolerance: 0.25,
-        ..Spec::FILTER
     };
 
     fn check(&self) -> Vec<ParamError> {
