@@ -3,6 +3,13 @@
 mod bad_presets;
 mod cli;
 mod conformance;
+mod demand;
+mod determinism;
 mod docs;
 mod layers;
+mod made;
 mod mutations;
+mod registration;
+mod resolution;
+mod species;
+mod tiling;

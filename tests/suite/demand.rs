@@ -1,0 +1,63 @@
+//! Maps that nobody asks for cost nothing: no steps, no memory.
+
+use std::collections::BTreeSet;
+
+use ophidian::base::MapKind;
+use ophidian::plan::Plan;
+use ophidian::preset::builtin::BUILTIN;
+
+use crate::made;
+
+fn plan(name: &str, wanted: &[MapKind]) -> Plan {
+    let graph = made::graph(name, &[]);
+    Plan::new(&graph, wanted, made::domain(&graph, 2048), None).expect("a plan")
+}
+
+fn names(plan: &Plan) -> BTreeSet<&str> {
+    plan.steps.iter().map(|s| s.name.as_str()).collect()
+}
+
+/// Steps that only make colour, gloss, film or what follows from the height.
+fn is_no_part_of_height(name: &str) -> bool {
+    let whole =
+        ["color", "normal", "ambient_occlusion", "curvature", "translucency", "position", "scute_mask"];
+    let starts = ["ground", "belly", "roughness", "film", "pattern", "vary", "quantise"];
+    let ends = ["_mark", "_marks", "_mark_cut", "_outline", "_outline_cut", "_inner", "_halo", "_union"];
+    whole.contains(&name)
+        || starts.iter().any(|s| name.starts_with(s))
+        || ends.iter().any(|e| name.ends_with(e))
+}
+
+#[test]
+fn height_alone_plans_no_step_of_other_maps() {
+    for (name, _) in BUILTIN {
+        let (height, all) = (plan(name, &[MapKind::Height]), plan(name, &MapKind::ALL));
+        let stray: Vec<_> = names(&height).into_iter().filter(|n| is_no_part_of_height(n)).collect();
+        assert!(stray.is_empty(), "{name}: {stray:?}");
+        assert!(names(&height).is_subset(&names(&all)) && height.steps.len() < all.steps.len(), "{name}");
+        let others = names(&all).into_iter().filter(|n| is_no_part_of_height(n)).count();
+        assert!(others >= 5, "{name}: the list knows {others} of {:?}", names(&all));
+        assert!(height.peak_bytes < all.peak_bytes, "{name}: {} bytes", height.peak_bytes);
+        assert!(height.cost_ms() < all.cost_ms(), "{name}: {} ms", height.cost_ms());
+    }
+}
+
+/// Whatever the maps, the plan is what they need between them and no more.
+#[test]
+fn steps_of_several_maps_are_the_union_of_those_of_each() {
+    for (name, _) in BUILTIN {
+        let mut union = BTreeSet::new();
+        for kind in MapKind::ALL {
+            union.extend(names(&plan(name, &[kind])).into_iter().map(str::to_owned));
+        }
+        let all = plan(name, &MapKind::ALL);
+        assert_eq!(union.iter().map(String::as_str).collect::<BTreeSet<_>>(), names(&all), "{name}");
+    }
+}
+
+#[test]
+fn a_map_that_is_one_number_has_no_steps() {
+    let film = plan("lampropeltis_triangulum", &[MapKind::Iridescence]);
+    assert!(film.steps.is_empty() && film.peak_bytes == 0, "{:?} {}", names(&film), film.peak_bytes);
+    assert!(!plan("xenopeltis_unicolor", &[MapKind::Iridescence]).steps.is_empty());
+}
