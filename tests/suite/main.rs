@@ -6,6 +6,7 @@ mod conformance;
 mod demand;
 mod determinism;
 mod docs;
+mod golden;
 mod layers;
 mod made;
 mod mutations;

@@ -133,7 +133,7 @@ fn bound(kind: MapKind) -> f32 {
         MapKind::Curvature => 0.35,
         MapKind::Iridescence | MapKind::Normal => 0.5,
         MapKind::Roughness => 0.65,
-        // Half of it is darker creases: a small map has their mean height, a large one their bottom.
+        // Creases narrower than a texel do not darken a small map.
         MapKind::AmbientOcclusion => 0.9,
     }
 }
