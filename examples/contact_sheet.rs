@@ -89,7 +89,7 @@ fn lit(evaluation: &Evaluation, i: usize) -> [f32; 3] {
 
 /// The values that are shown black and white: the map's own span without its outliers.
 fn span(kind: MapKind, map: &MapPlanes) -> [f32; 2] {
-    if !matches!(kind, MapKind::Height | MapKind::Iridescence | MapKind::Curvature | MapKind::Translucency) {
+    if matches!(kind, MapKind::Color | MapKind::Normal | MapKind::ScaleId | MapKind::PatternMask) {
         return [0.0, 1.0];
     }
     let mut values = map.planes[0].data().to_vec();
