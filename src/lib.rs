@@ -90,6 +90,7 @@ pub mod graph;
 pub mod io;
 pub mod maps;
 pub mod node;
+pub mod optics;
 pub mod plan;
 pub mod preset;
 pub mod skin;
