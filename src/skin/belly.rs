@@ -101,7 +101,10 @@ impl Belly {
                 // Cells one scute long and a third of the belly wide, black or white by chance.
                 let cells_u = ((3.0 / l.belly.max(0.05)).round() as u32).max(1);
                 let (_, dv) = l.offsets(1.0);
-                let chance = l.add("belly_checks", WhiteNoise { cells_u, cells_v: scutes }, &[("dv", dv)]);
+                // Half a cell aside, so that no border runs along the belly's middle, where the tile ends.
+                let du = 0.5 / cells_u as f32;
+                let inputs = [("du", du.into()), ("dv", dv)];
+                let chance = l.add("belly_checks", WhiteNoise { cells_u, cells_v: scutes }, &inputs);
                 Some(threshold(l, chance, 1.0 - self.amount, 0.01))
             }
             BellyPattern::Ends => {

@@ -47,7 +47,11 @@ impl Iridescence {
     /// Film thickness, nm.
     pub(super) fn film(&self, l: &mut Lowering<'_>) -> Wire {
         if self.thickness_nm <= 0.0 {
-            return self.skin_nm.min(0.0).into();
+            if self.skin_nm <= 0.0 {
+                return 0.0.into();
+            }
+            let cover = l.scales.port("cover");
+            return l.mix("film", self.skin_nm.into(), 0.0.into(), cover);
         }
         let nm = self.thickness_nm;
         let centred = |l: &mut Lowering<'_>, name: &str, image: Wire, low: f32, high: f32| {

@@ -154,6 +154,8 @@ fn paint_one(scale: &Scale, form: &Form, y_mm: f32, copy: u32, domain: &Domain, 
         (_, ScaleShape::Leaf | ScaleShape::Granule) => (a, b, a, b, 0.0),
     };
     let ramp = (texel_u * texel_v).sqrt();
+    // A rim or keel narrower than a texel would alias: it is as wide as the grid can hold, a keel lower by as much.
+    let keel_width = form.keel_width.max((1.5 * ramp / a.max(1e-9)).min(1.0));
     for y in y0..y1 {
         let row = (y - band.rows.start) as usize * band.width;
         let mut x = first;
@@ -178,9 +180,9 @@ fn paint_one(scale: &Scale, form: &Form, y_mm: f32, copy: u32, domain: &Domain, 
                 relief: scale.relief_mm,
                 dome: form.dome,
                 peak: form.peak,
-                bevel: form.bevel_mm.max(1e-6),
-                keel: scale.keel_mm,
-                keel_width: form.keel_width,
+                bevel: form.bevel_mm.max(ramp),
+                keel: scale.keel_mm * form.keel_width / keel_width,
+                keel_width,
                 keel_length: form.keel_length,
                 ramp,
                 copy,
