@@ -10,6 +10,7 @@ use super::exit::Exit;
 use crate::base::{Domain, MapKind, domain::MAX_SIDE};
 use crate::io::NameTemplate;
 use crate::maps::Depth;
+use crate::optics::Method;
 use crate::preset::suggest;
 
 const EXAMPLES: &str = "Examples:
@@ -26,6 +27,12 @@ const GENERATE_EXAMPLES: &str = "Examples:
   ophidian generate milk_snake.toml --seeds 0..50           fifty individuals
   ophidian generate milk_snake.toml --set pattern.size=0.3  another value, same checks
   ophidian generate milk_snake.toml --size 512x1024 --format png,exr --depth 16 --verify";
+
+const FILM_EXAMPLES: &str = "Examples:
+  ophidian film --thickness-nm 400                       colour of keratin on skin, seen along the normal
+  ophidian film --thickness-nm 400 --angle-deg 60 --method three
+  ophidian film --thickness-nm 400 --lambda-nm 550       R and T
+  ophidian film --csv rows.csv -o results.csv --tolerance 1e-12";
 
 /// Makes tileable, registered snake-skin textures from a preset and a seed.
 #[derive(Debug, Parser)]
@@ -53,6 +60,8 @@ pub(super) enum Verb {
     Schema,
     /// Compare texture sets with their manifest.
     Verify(Verify),
+    /// Compute what a thin film reflects: one film, or the rows of a table.
+    Film(Film),
     /// Print a script that completes commands in a shell.
     Completions(Completions),
 }
@@ -197,6 +206,62 @@ pub(super) struct Verify {
     /// Print nothing but problems.
     #[arg(short, long)]
     pub(super) quiet: bool,
+}
+
+/// `film`
+#[derive(Debug, Args)]
+#[command(after_help = format!("{FILM_EXAMPLES}\n\n{}", Exit::TABLE))]
+pub(super) struct Film {
+    /// Refractive index outside, where the light comes from (1 is air).
+    #[arg(long, default_value_t = 1.0)]
+    pub(super) n0: f64,
+    /// Refractive index of the film (keratin is about 1.55).
+    #[arg(long, default_value_t = 1.55)]
+    pub(super) n1: f64,
+    /// Refractive index below the film.
+    #[arg(long, default_value_t = 2.0)]
+    pub(super) n2: f64,
+    /// Thickness of the film, nm; 0 is a plain interface.
+    #[arg(long, value_name = "NM", required_unless_present = "csv")]
+    pub(super) thickness_nm: Option<f64>,
+    /// Angle of incidence from the normal, degrees, 0 to 90.
+    #[arg(long, value_name = "DEG", default_value_t = 0.0)]
+    pub(super) angle_deg: f64,
+    /// Print R and T at this wavelength, nm.
+    #[arg(long, value_name = "NM", conflicts_with_all = ["color", "method"])]
+    pub(super) lambda_nm: Option<f64>,
+    /// Print the colour under daylight (D65); this is what is done without --lambda-nm.
+    #[arg(long, visible_alias = "colour")]
+    pub(super) color: bool,
+    /// Compute the rows of a table: columns n0, n1, n2, d_nm, cos_theta, and lambda_nm for R and T; differences from
+    /// columns R, T or lin_r, lin_g, lin_b are told.
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["n0", "n1", "n2", "thickness_nm", "angle_deg", "lambda_nm", "color"])]
+    pub(super) csv: Option<PathBuf>,
+    /// File of the results of --csv; standard output unless set.
+    #[arg(short, long, value_name = "FILE", requires = "csv")]
+    pub(super) output: Option<PathBuf>,
+    /// End with code 1 if any result of --csv differs by more than this from the expected one.
+    #[arg(long, value_name = "ERROR", requires = "csv")]
+    pub(super) tolerance: Option<f64>,
+    /// How colours are computed: reference, series-K (K terms), uniform-N (N wavelengths), three (as in the thesis),
+    /// three-best.
+    #[arg(long)]
+    pub(super) method: Option<Method>,
+    /// Numbers that are computed with.
+    #[arg(long, value_enum, default_value = "f64")]
+    pub(super) precision: Precision,
+    /// Print JSON: the result, or the differences of --csv.
+    #[arg(long)]
+    pub(super) json: bool,
+}
+
+/// Numbers that are computed with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum Precision {
+    /// Single precision, as in shading.
+    F32,
+    /// Double precision.
+    F64,
 }
 
 /// `completions`

@@ -61,7 +61,7 @@ impl Files {
 }
 
 /// An operating system's error without its number.
-fn plain(error: &std::io::Error) -> String {
+pub(super) fn plain(error: &std::io::Error) -> String {
     match io::Problem::from(std::io::Error::from(error.kind())) {
         io::Problem::Os(_) => error.to_string(),
         problem => problem.to_string(),

@@ -6,6 +6,7 @@ mod args;
 mod check;
 mod completions;
 mod exit;
+mod film;
 mod generate;
 mod graph;
 mod load;
@@ -54,6 +55,7 @@ fn dispatch(verb: &Verb) -> Result<Exit, Failure> {
         Verb::Schema => schema::run(),
         Verb::Presets(args) => presets::run(args),
         Verb::Verify(args) => verify::run(args),
+        Verb::Film(args) => film::run(args),
         Verb::Completions(args) => completions::run(args),
     }
 }

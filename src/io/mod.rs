@@ -6,6 +6,7 @@
 //! | [`WriteOptions`], [`NameTemplate`] | which files, how named, how encoded, whether read back |
 //! | [`Manifest`], [`verify_dir`] | what a directory holds, and whether it still does |
 //! | [`read_image`], [`load_assets`] | PNG and OpenEXR files as inputs of a graph |
+//! | [`write_text`] | a text file, whole or not at all |
 //! | [`IoError`] | a path and what is wrong with it |
 //!
 //! Bytes depend on the set, the options and the version, never on threads, time, path or machine.
@@ -27,4 +28,4 @@ pub use manifest::{
 };
 pub use names::{NameError, NameTemplate};
 pub use read::{MAX_SAMPLES, load_assets, read_image};
-pub use write::{Output, SetWriter, Staged, WriteOptions, write_set};
+pub use write::{Output, SetWriter, Staged, WriteOptions, write_set, write_text};

@@ -259,6 +259,11 @@ pub fn write_set(
     writer.finish(files)
 }
 
+/// Write a text file, whole or not at all.
+pub fn write_text(path: &Path, text: &str) -> Result<(), IoError> {
+    Aside::write(path.to_owned(), |out| Ok(std::io::Write::write_all(out, text.as_bytes())?))?.commit()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

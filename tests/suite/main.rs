@@ -3,6 +3,7 @@
 mod bad_presets;
 mod cli;
 mod conformance;
+mod film;
 mod demand;
 mod determinism;
 mod docs;

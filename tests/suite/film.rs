@@ -1,0 +1,135 @@
+//! `film` from outside: numbers, tables, and what is wrong with tables.
+
+use std::path::Path;
+
+use super::cli::ophidian;
+
+const ORACLE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/reference/oracle_dev.csv");
+const COLORS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/reference/colour_dev.csv");
+
+/// Exit code, standard output, standard error.
+fn film(args: &[&str]) -> (Option<i32>, String, String) {
+    let output = ophidian().arg("film").args(args).output().expect("the command starts");
+    let text = |bytes: Vec<u8>| String::from_utf8(bytes).expect("UTF-8");
+    (output.status.code(), text(output.stdout), text(output.stderr))
+}
+
+fn json(args: &[&str]) -> serde_json::Value {
+    let (code, out, err) = film(&[args, &["--json"]].concat());
+    assert_eq!((code, err.as_str()), (Some(0), ""), "{args:?}");
+    serde_json::from_str(&out).expect("JSON")
+}
+
+#[test]
+fn one_film_has_the_known_values() {
+    let at = |args: &[&str], key: &str| json(args)[key].as_f64().expect("a number");
+    let plain = at(&["--thickness-nm", "0", "--lambda-nm", "550"], "R");
+    assert!((plain - 1.0 / 9.0).abs() < 1e-15);
+    let args = ["--thickness-nm", "400", "--angle-deg", "90", "--lambda-nm", "550"];
+    assert_eq!((at(&args, "R"), at(&args, "T")), (1.0, 0.0));
+    let color = json(&["--thickness-nm", "400", "--colour"]);
+    for (c, expected) in [0.140605, 0.043906, 0.057435].into_iter().enumerate() {
+        assert!((color["linear_srgb"][c].as_f64().expect("a number") - expected).abs() < 1e-6);
+    }
+    let (_, out, _) = film(&["--thickness-nm", "400"]);
+    assert!(out.starts_with("linear sRGB 0.1406") && out.contains("sRGB #"), "{out}");
+    let single = json(&["--thickness-nm", "400", "--precision", "f32", "--method", "series-3"]);
+    assert!((single["linear_srgb"][0].as_f64().expect("a number") - 0.140605).abs() < 6e-4);
+}
+
+#[test]
+fn tables_are_computed_and_compared() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let path = dir.path().join("out.csv");
+    let out = path.to_str().expect("UTF-8");
+    let compare = |args: &[&str]| json(&[&["-o", out, "--csv"], args].concat());
+    let report = compare(&[COLORS, "--tolerance", "2e-5"]);
+    assert!(report["rows"] == 400 && report["max_delta_e_2000"].as_f64() < Some(0.01), "{report}");
+    let text = std::fs::read_to_string(&path).expect("read");
+    assert_eq!(text.lines().count(), 401);
+    let head = "n0,n1,n2,d_nm,cos_theta,lin_r,lin_g,lin_b,lin_r_error,lin_g_error,lin_b_error";
+    assert_eq!(text.lines().next(), Some(head));
+    let three = compare(&[COLORS, "--method", "three"]);
+    assert!(three["max_error"].as_f64() > Some(0.2), "{three}");
+    let single = compare(&[ORACLE, "--precision", "f32", "--tolerance", "1e-3"]);
+    assert!(single["rows"] == 1950 && single["precision"] == "f32", "{single}");
+    // Of the f64 oracle only grazing rows are beyond 1e-12, by their own rounding.
+    let (code, out, err) = film(&["--csv", ORACLE, "--tolerance", "1e-12"]);
+    assert!(code == Some(1) && err.starts_with("1950 rows, airy, f64: error at most"), "{code:?} {err}");
+    for row in out.lines().skip(1).filter(|row| !row.starts_with("graze")) {
+        let error = |i: usize| row.rsplit(',').nth(i).and_then(|w| w.parse::<f64>().ok()).expect("a number");
+        assert!(error(0).abs() <= 1e-12 && error(1).abs() <= 1e-12, "{row}");
+    }
+    assert_eq!(film(&["--csv", ORACLE, "--tolerance", "1e-9"]).0, Some(0));
+}
+
+#[test]
+fn a_film_5_percent_thicker_fails() {
+    let text = std::fs::read_to_string(COLORS).expect("read");
+    let thicker = |line: &str| {
+        let mut words: Vec<String> = line.split(',').map(str::to_owned).collect();
+        if let Ok(d) = words[3].parse::<f64>() {
+            words[3] = (d * 1.05).to_string();
+        }
+        words.join(",") + "\n"
+    };
+    let dir = tempfile::tempdir().expect("a folder");
+    let path = dir.path().join("rows.csv");
+    std::fs::write(&path, text.lines().map(thicker).collect::<String>()).expect("written");
+    let (code, _, err) = film(&["--csv", path.to_str().expect("UTF-8"), "--tolerance", "2e-5"]);
+    assert_eq!(code, Some(1), "{err}");
+}
+
+#[test]
+fn tables_without_expected_columns_are_computed_alone() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let path = dir.path().join("rows.csv");
+    std::fs::write(&path, "\u{feff}# films\r\nname,n0,n1,n2,d_nm,cos_theta\r\n\r\nmine,1,1.55,2,0,1\r\n")
+        .expect("written");
+    let (code, out, err) = film(&["--csv", path.to_str().expect("UTF-8")]);
+    assert_eq!((code, err.as_str()), (Some(0), "1 rows, reference (1e-7), f64\n"));
+    let mut lines = out.lines();
+    assert_eq!(lines.next(), Some("name,n0,n1,n2,d_nm,cos_theta,lin_r,lin_g,lin_b"));
+    assert!(lines.next().is_some_and(|l| l.starts_with("mine,1,1.55,2,0,1,0.1111")), "{out}");
+}
+
+#[test]
+fn bad_tables_are_refused_with_their_lines() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let path = dir.path().join("rows.csv");
+    let file = path.to_str().expect("UTF-8");
+    let refuse = |bytes: &[u8], text: &str| {
+        std::fs::write(Path::new(file), bytes).expect("written");
+        let (code, out, err) = film(&["--csv", file]);
+        assert!(code == Some(2) && out.is_empty() && err.contains(text), "{code:?} {out} {err}");
+    };
+    refuse(b"", "no line of column names");
+    refuse(b"n0,n1,n2,d_nm\n1,1,1,1\n", ":1: there is no column `cos_theta`");
+    refuse(b"n0,n0\n", ":1: column `n0` is there twice");
+    let head = "n0,n1,n2,d_nm,cos_theta\n";
+    let rows = |row: &str| format!("{head}# a comment\n1,1.5,2,1,1\n{row}\n").into_bytes();
+    refuse(&rows("1,2,3"), ":4: 3 values, where there are 5 columns");
+    refuse(&rows("1,abc,2,1,1"), ":4: column `n1`: `abc` is not a finite number");
+    refuse(&rows("1,NaN,2,1,1"), ":4: column `n1`: `NaN`");
+    refuse(&rows("1,1.5,2,-1,1"), ":4: thickness = -1 nm is out of range");
+    refuse(&rows("1,1.5,0,1,1"), ":4: n2 = 0 is out of range");
+    refuse(&rows("1,1.5,2,1,1.5"), ":4: cos_theta = 1.5 is out of range");
+    refuse(&[rows("1,1.5,2,1,"), vec![0xff]].concat(), ":5: the text is not UTF-8");
+    assert_eq!(film(&["--csv", dir.path().join("none.csv").to_str().expect("UTF-8")]).0, Some(3));
+}
+
+#[test]
+fn bad_arguments_are_refused() {
+    let refuse = |args: &[&str], text: &str| {
+        let (code, _, err) = film(args);
+        assert!(code == Some(2) && err.contains(text), "{args:?} {code:?} {err}");
+    };
+    refuse(&[], "--thickness-nm");
+    refuse(&["--thickness-nm", "400", "--n1", "nan"], "n1 = NaN is out of range");
+    refuse(&["--thickness-nm", "400", "--angle-deg", "91"], "--angle-deg 91");
+    refuse(&["--thickness-nm", "400", "--lambda-nm", "0"], "wavelength = 0 nm");
+    refuse(&["--thickness-nm", "400", "--method", "magic"], "reference, series-K, uniform-N");
+    refuse(&["--thickness-nm", "400", "--method", "uniform-0"], "the number is 1 to");
+    refuse(&["--thickness-nm", "400", "--csv", "x"], "cannot be used with");
+    refuse(&["--csv", ORACLE, "--method", "three"], "only one method for one wavelength");
+}
