@@ -3,10 +3,10 @@
 mod bad_presets;
 mod cli;
 mod conformance;
-mod film;
 mod demand;
 mod determinism;
 mod docs;
+mod film;
 mod golden;
 mod layers;
 mod made;

@@ -193,6 +193,8 @@ struct Series {
     jitter: f32,
     jitter_size: f32,
     slip: f32,
+    /// 1 / the width over which the slip sets in, 1/mm.
+    per_slip: f32,
     blend_mm: f32,
     texel_u: f32,
 }
@@ -219,6 +221,7 @@ impl Series {
             jitter: marks.jitter,
             jitter_size: marks.jitter_size,
             slip: marks.slip,
+            per_slip: 1.0 / (0.8 * marks.reach * flank_mm).max(1e-6),
             blend_mm: marks.blend * period_mm,
             texel_u: 1.0 / domain.width as f32,
         }
@@ -262,7 +265,7 @@ macro_rules! kernel {
                 let n = distance.len();
                 let (du, dv, random) = (&du[..n], &dv[..n], &mut random[..n]);
                 let mirror = if side == 1 { -1.0 } else { 1.0 };
-                // On the mid-back the slip moves the left half only.
+                // On the mid-back the slip moves the left half only, sheared across the mark's middle.
                 let slip = if s.sides == 1 { s.slip } else { 0.0 };
                 let offset = s.offset + s.stagger * side as f32;
                 for i in 0..n {
@@ -272,7 +275,7 @@ macro_rules! kernel {
                     let nearest = p.floor();
                     // Around the body the mark's centre is met both ways.
                     let across = (num::wrap_half((x * mirror - s.position_mm) / s.girth_mm) * s.girth_mm).abs();
-                    let left = if x < 0.0 { slip } else { 0.0 };
+                    let left = slip * num::saturate(0.5 - x * s.per_slip);
                     let (mut best, mut value) = (distance[i], random[i]);
                     for step in [-1.0f32, 0.0, 1.0] {
                         let k = nearest + step;
