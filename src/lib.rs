@@ -51,6 +51,7 @@
 //! | Room | What it is | Imports |
 //! | --- | --- | --- |
 //! | [`base`] | ground floor: plane, domain, hash, numbers, colour, kinds of maps | nothing of ours |
+//! | [`optics`] | physics: Fresnel, thin films and their colours, absorption, GGX; it knows no images | `base` |
 //! | [`node`] | operations: a file per node, and the registry of all | `base` |
 //! | [`preset`] | text: documents with places, includes, overrides, diagnostics, the built-in presets | `base` |
 //! | [`skin`] | anatomy: `[scales]`, `[pattern]` and the other sections, lowered to nodes | `base` `node` |
