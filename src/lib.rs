@@ -60,6 +60,7 @@
 //! | [`eval`] | doing it: the only loops over whole planes | `base` `node` `plan` |
 //! | [`maps`] | the texture set, and its values as integers | `base` `eval` |
 //! | `io` | files: PNG, OpenEXR, manifest, all or nothing (feature `files`) | `base` `node` `maps` |
+//! | `scene` | what renderers see: meshes, materials, lights, cameras (feature `render`) | `base` `optics` `preset` `maps` |
 //! | `cli` | the command (feature `cli`); imported by nothing | all of them |
 //!
 //! Files, environment and threads are touched in `io` and `cli` only, a clock in `eval::trace` as well.
@@ -94,4 +95,6 @@ pub mod node;
 pub mod optics;
 pub mod plan;
 pub mod preset;
+#[cfg(feature = "render")]
+pub mod scene;
 pub mod skin;

@@ -37,6 +37,7 @@ pub mod cie;
 pub mod film_color;
 pub mod fresnel;
 pub mod ggx;
+pub mod layered;
 mod real;
 pub mod thin_film;
 pub mod transform;

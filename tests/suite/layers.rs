@@ -18,11 +18,11 @@ const ROOMS: &[(&str, &[&str])] = &[
     // Files become textures of a graph, too.
     ("io", &["node", "maps"]),
     ("export", &["maps", "io"]),
-    ("scene", &["optics", "maps"]),
+    ("scene", &["optics", "preset", "maps"]),
     ("preview", &["optics", "scene"]),
     ("viewer", &["optics", "maps", "scene", "preview"]),
     ("reference", &["optics", "scene"]),
-    ("report", &[]),
+    ("report", &["optics", "maps", "scene", "reference"]),
     // The attic imports everything and is imported by nothing.
     (
         "cli",

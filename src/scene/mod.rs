@@ -1,0 +1,55 @@
+//! WHAT BOTH RENDERERS SEE: meshes, materials, lights, an environment and a camera. Imports optics and maps.
+//!
+//! | Item | What it is |
+//! | --- | --- |
+//! | [`Scene`], [`Object`] | everything, in scene units |
+//! | [`Mesh`] | triangles with normals, tangents and texture coordinates |
+//! | [`Material`], [`SkinMaps`] | what a surface is made of |
+//! | [`Camera`], [`Light`] | where from, and by what light |
+//!
+//! The scene unit is the diameter of the animal's body at its thickest; [`Scene::mm_per_unit`] says how long that is. x is
+//! to the right, y up, z towards the viewer. No files here: images and meshes come as bytes or planes.
+
+pub mod camera;
+pub mod environment;
+pub mod light;
+pub mod material;
+pub mod mesh;
+
+pub use camera::Camera;
+pub use environment::{Environment, EnvironmentImage};
+pub use light::Light;
+pub use material::{Material, SkinMaps, Texel};
+pub use mesh::Mesh;
+
+/// Everything that is rendered.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    /// Its name in reports.
+    pub name: String,
+    /// Millimetres of one scene unit.
+    pub mm_per_unit: f32,
+    /// What there is.
+    pub objects: Vec<Object>,
+    /// What objects are made of.
+    pub materials: Vec<Material>,
+    /// Where from.
+    pub camera: Camera,
+    /// Lights besides the environment.
+    pub lights: Vec<Light>,
+    /// What is all around.
+    pub environment: Environment,
+    /// Factor on the picture before tone mapping, as a power of two.
+    pub exposure_ev: f32,
+}
+
+/// A mesh of one material.
+#[derive(Clone, Debug)]
+pub struct Object {
+    /// Its name in messages.
+    pub name: String,
+    /// Its form.
+    pub mesh: Mesh,
+    /// Index into [`Scene::materials`].
+    pub material: usize,
+}
