@@ -16,9 +16,11 @@ pub mod light;
 pub mod material;
 pub mod mesh;
 
-pub use camera::Camera;
-pub use environment::{Environment, EnvironmentImage};
-pub use light::Light;
+pub use camera::{Camera, View};
+pub use environment::{
+    Environment, EnvironmentError, EnvironmentImage, EnvironmentSample, EnvironmentSampler,
+};
+pub use light::{Light, LightHit, LightSample};
 pub use material::{Material, SkinMaps, Texel};
 pub use mesh::Mesh;
 
