@@ -5,16 +5,21 @@
 //! | [`Scene`], [`Object`] | everything, in scene units |
 //! | [`Mesh`] | triangles with normals, tangents and texture coordinates |
 //! | [`Material`], [`SkinMaps`] | what a surface is made of |
+//! | [`Snake`], [`Pose`] | the animal's form: how it lies, swept to a mesh |
 //! | [`Camera`], [`Light`] | where from, and by what light |
 //!
 //! The scene unit is the diameter of the animal's body at its thickest; [`Scene::mm_per_unit`] says how long that is. x is
 //! to the right, y up, z towards the viewer. No files here: images and meshes come as bytes or planes.
 
 pub mod camera;
+pub mod curve;
 pub mod environment;
 pub mod light;
 pub mod material;
 pub mod mesh;
+pub mod pose;
+pub mod snake;
+pub mod tangents;
 
 pub use camera::{Camera, View};
 pub use environment::{
@@ -23,6 +28,8 @@ pub use environment::{
 pub use light::{Light, LightHit, LightSample};
 pub use material::{Material, SkinMaps, Texel};
 pub use mesh::Mesh;
+pub use pose::Pose;
+pub use snake::Snake;
 
 /// Everything that is rendered.
 #[derive(Clone, Debug)]

@@ -1,0 +1,394 @@
+//! A snake's body: a section swept along a centre line, closed by a head and the tip of a tail.
+
+use std::f64::consts::{PI, TAU};
+
+use glam::{DVec2, Vec2, Vec3};
+
+use super::curve::{Curve, Frame};
+use super::mesh::Mesh;
+use super::pose::{Extent, Pose};
+use super::tangents::{self, TangentError};
+
+/// Scales become no smaller than this share of those at midbody, so that the tips do not squeeze endless tiles.
+const LEAST_GIRTH: f64 = 0.1;
+
+/// A snake to make a mesh of. Lengths in diameters of the body at its thickest, which are scene units.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Snake {
+    /// How it lies.
+    pub pose: Pose,
+    /// Snout to tip of the tail, in [16, 100]; see [`Pose::usual_length_in_diameters`].
+    pub length_in_diameters: f32,
+    /// The section, in [0, 1]: 0 is round, 1 a loaf with a narrow back and a flat belly. The girth stays.
+    pub section: f32,
+    /// Triangles wanted, in [1000, 20 million]; the mesh has the nearest number that its grid allows.
+    pub triangles: usize,
+    /// Size of the texture tile, mm: the girth at midbody, and the length along the body.
+    pub tile_mm: [f32; 2],
+}
+
+/// Why there is no such snake.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum SnakeError {
+    /// Too stout, too slender, or no number.
+    #[error("a snake is 16 to 100 diameters long, not {0}")]
+    Length(f32),
+    /// No share.
+    #[error("the section is a number from 0, round, to 1, a loaf, not {0}")]
+    Section(f32),
+    /// Too coarse to be a snake, or too fine for memory.
+    #[error("a snake is made of 1000 to 20 million triangles, not {0}")]
+    Triangles(usize),
+    /// A side that is not finite and positive, or a shape beyond 1:1000.
+    #[error("a tile of {0} mm by {1} mm cannot be laid around a body")]
+    Tile(f32, f32),
+    /// The surface has no tangents; cannot happen for a valid snake.
+    #[error(transparent)]
+    Tangents(#[from] TangentError),
+}
+
+impl Default for Snake {
+    fn default() -> Self {
+        Self {
+            pose: Pose::Coil,
+            length_in_diameters: Pose::Coil.usual_length_in_diameters(),
+            section: 0.25,
+            triangles: 200_000,
+            tile_mm: [62.8, 92.4],
+        }
+    }
+}
+
+impl Snake {
+    /// Millimetres of one scene unit: girth/pi, so that midbody has the tile's girth.
+    pub fn mm_per_unit(&self) -> f32 {
+        self.tile_mm[0] / std::f32::consts::PI
+    }
+
+    /// The centre line, snout first.
+    pub fn curve(&self) -> Result<Curve, SnakeError> {
+        self.check()?;
+        let length = f64::from(self.length_in_diameters);
+        let (profile, section) = (Profile::new(length), Section::new(self.section.into()));
+        let extent = |s: f64| {
+            let [a, b] = profile.at(s).0;
+            Extent { side: a * section.side, up: b * section.up, down: b * section.down }
+        };
+        self.pose.curve(length, extent).ok_or(SnakeError::Length(self.length_in_diameters))
+    }
+
+    /// The mesh: closed, outward, resting on y = 0, with tangents.
+    ///
+    /// Texture coordinates: u is the share of the girth from the middle of the belly over the left side, the back (0.5) and
+    /// the right side; `dv/ds` = tile girth/(local girth x tile length), so that scales keep their proportions.
+    pub fn mesh(&self) -> Result<Mesh, SnakeError> {
+        let curve = self.curve()?;
+        let length = f64::from(self.length_in_diameters);
+        let (profile, section) = (Profile::new(length), Section::new(self.section.into()));
+        let aspect = f64::from(self.tile_mm[0]) / f64::from(self.tile_mm[1]);
+        let along = Along::new(&profile, &section, length, aspect);
+        let (around, rings) = grid(self.triangles, along.squares());
+        let mut mesh = Mesh::default();
+        // The body has the curve's own length: the profile is read in shares of it.
+        let stretch = length / curve.length();
+        for ring in 0..=rings {
+            let (s, v) = along.at(ring as f64 / rings as f64);
+            let frame = curve.at(s / stretch);
+            let pole = ring == 0 || ring == rings;
+            let ring_of = RingOf { frame, v, around };
+            if pole {
+                let outward = if ring == 0 { -frame.tangent } else { frame.tangent };
+                ring_of.pole(outward.as_vec3(), &mut mesh);
+            } else {
+                ring_of.open(&section, profile.at(s), &mut mesh);
+            }
+        }
+        mesh.triangles = triangles(around as u32, rings as u32);
+        let lowest = mesh.positions.iter().fold(f32::INFINITY, |low, p| low.min(p.y));
+        for p in &mut mesh.positions {
+            p.y -= lowest;
+        }
+        Ok(tangents::generate(&mesh)?)
+    }
+
+    fn check(&self) -> Result<(), SnakeError> {
+        if !(16.0..=100.0).contains(&self.length_in_diameters) {
+            return Err(SnakeError::Length(self.length_in_diameters));
+        }
+        if !(0.0..=1.0).contains(&self.section) {
+            return Err(SnakeError::Section(self.section));
+        }
+        if !(1000..=20_000_000).contains(&self.triangles) {
+            return Err(SnakeError::Triangles(self.triangles));
+        }
+        check_tile(self.tile_mm).map_err(|[girth, length]| SnakeError::Tile(girth, length))
+    }
+}
+
+/// A tile whose sides are positive, finite, and of like size.
+pub(super) fn check_tile(tile_mm: [f32; 2]) -> Result<(), [f32; 2]> {
+    let [girth, length] = tile_mm;
+    let good = (1e-3..=1e6).contains(&girth) && (1e-3..=1e6).contains(&length);
+    if good && (1e-3..=1e3).contains(&(girth / length)) { Ok(()) } else { Err(tile_mm) }
+}
+
+/// The section of unit girth radius: a closed convex curve of girth 2 pi.
+#[derive(Clone, Copy, Debug)]
+struct Section {
+    shape: f64,
+    scale: f64,
+    side: f64,
+    up: f64,
+    down: f64,
+}
+
+impl Section {
+    fn new(shape: f64) -> Self {
+        let mut section = Self { shape, scale: 1.0, side: 1.0, up: 1.0, down: 1.0 };
+        section.scale = TAU / section.girth(DVec2::ONE);
+        section.side = section.points(DVec2::ONE).fold(0.0, |most, p| f64::max(most, p.x));
+        section.up = section.at(PI)[0].y;
+        section.down = -section.at(0.0)[0].y;
+        section
+    }
+
+    /// The point (right, up) and its derivative at an angle from the belly over the left side.
+    fn at(&self, angle: f64) -> [DVec2; 2] {
+        let (sin, cos) = (libm::sin(angle), libm::cos(angle));
+        let k = self.shape;
+        // Narrower towards the back, and the belly pressed flat: y (1 - 0.3 k y^2) below the middle.
+        let (width, flat) = (1.0 + 0.22 * k * cos, 0.3 * k * cos.max(0.0) * cos.max(0.0));
+        let point = DVec2::new(-sin * width, -cos * (1.0 - flat));
+        let rate = DVec2::new(-cos * width + 0.22 * k * sin * sin, sin * (1.0 - 3.0 * flat));
+        [point * self.scale, rate * self.scale]
+    }
+
+    fn points(&self, axes: DVec2) -> impl Iterator<Item = DVec2> {
+        let count = 512;
+        (0..=count).map(move |i| self.at(TAU * f64::from(i) / f64::from(count))[0] * axes)
+    }
+
+    /// Length around, of the section with these half axes.
+    fn girth(&self, axes: DVec2) -> f64 {
+        *self.lengths(axes).last().unwrap_or(&0.0)
+    }
+
+    /// Lengths along the section from the belly.
+    fn lengths(&self, axes: DVec2) -> Vec<f64> {
+        let mut last = None;
+        let mut total = 0.0;
+        self.points(axes)
+            .map(|p| {
+                total += last.map_or(0.0, |q: DVec2| q.distance(p));
+                last = Some(p);
+                total
+            })
+            .collect()
+    }
+}
+
+/// Half width and half height along the body.
+#[derive(Debug)]
+struct Profile {
+    length: f64,
+    /// At each knot: angle w, where s = length (1 - cos w)/2; the half axes; and their slopes by w.
+    knots: Vec<(f64, [f64; 2], [f64; 2])>,
+}
+
+/// Distance from the snout in diameters; half width; half height.
+const HEAD: [(f64, f64, f64); 9] = [
+    (0.0, 0.0, 0.0),
+    (0.03, 0.080, 0.060),
+    (0.12, 0.150, 0.110),
+    (0.35, 0.230, 0.165),
+    (0.65, 0.310, 0.210),
+    (0.95, 0.370, 0.240),
+    (1.15, 0.365, 0.250),
+    (1.55, 0.300, 0.260),
+    (2.0, 0.280, 0.270),
+];
+/// Share of the length; radius.
+const BODY: [(f64, f64); 7] =
+    [(0.16, 0.35), (0.30, 0.46), (0.42, 0.5), (0.55, 0.5), (0.70, 0.44), (0.83, 0.31), (0.92, 0.19)];
+/// Distance from the tip of the tail in diameters; radius.
+const TAIL: [(f64, f64); 5] = [(0.6, 0.085), (0.2, 0.055), (0.06, 0.040), (0.015, 0.023), (0.0, 0.0)];
+
+impl Profile {
+    fn new(length: f64) -> Self {
+        let head = HEAD.into_iter();
+        let body = BODY.into_iter().map(|(share, r)| (share * length, r, r));
+        let tail = TAIL.into_iter().map(|(rest, r)| (length - rest, r, r));
+        let knots: Vec<(f64, [f64; 2])> = head
+            .chain(body)
+            .chain(tail)
+            .map(|(s, a, b)| (libm::acos((1.0 - 2.0 * s / length).max(-1.0).min(1.0)), [a, b]))
+            .collect();
+        let slopes: Vec<[f64; 2]> =
+            (0..knots.len()).map(|i| [0, 1].map(|axis| monotone_slope(&knots, i, axis))).collect();
+        let knots = knots.into_iter().zip(slopes).map(|((w, r), slope)| (w, r, slope)).collect();
+        Self { length, knots }
+    }
+
+    /// Half axes, and their derivatives by the distance from the snout: huge at the very ends.
+    fn at(&self, s: f64) -> ([f64; 2], [f64; 2]) {
+        let cos = (1.0 - 2.0 * s / self.length).max(-1.0).min(1.0);
+        let w = libm::acos(cos);
+        let after = self.knots.partition_point(|knot| knot.0 <= w).max(1).min(self.knots.len() - 1);
+        let (&(w0, p, m), &(w1, q, n)) = (&self.knots[after - 1], &self.knots[after]);
+        let width = w1 - w0;
+        let t = (w - w0) / width;
+        // ds/dw = length sin(w)/2.
+        let pace = (0.5 * self.length * libm::sin(w)).max(1e-9);
+        let of = |k: usize| {
+            let (m, n, rest) = (m[k] * width, n[k] * width, q[k] - p[k]);
+            let (b, c) = (3.0 * rest - 2.0 * m - n, m + n - 2.0 * rest);
+            (p[k] + (m + (b + c * t) * t) * t, (m + (2.0 * b + 3.0 * c * t) * t) / (width * pace))
+        };
+        let (a, b) = (of(0), of(1));
+        ([a.0.max(0.0), b.0.max(0.0)], [a.1, b.1])
+    }
+}
+
+/// Slope of a cubic Hermite curve that has no extremum between knots (Fritsch & Butland 1984); at the ends the chord's.
+fn monotone_slope(knots: &[(f64, [f64; 2])], i: usize, axis: usize) -> f64 {
+    let chord = |j: usize| (knots[j + 1].1[axis] - knots[j].1[axis]) / (knots[j + 1].0 - knots[j].0);
+    if i == 0 || i + 1 == knots.len() {
+        return chord(if i == 0 { 0 } else { i - 1 });
+    }
+    let (before, after) = (chord(i - 1), chord(i));
+    if before * after <= 0.0 {
+        return 0.0;
+    }
+    let (h0, h1) = (knots[i].0 - knots[i - 1].0, knots[i + 1].0 - knots[i].0);
+    let share = (h0 + 2.0 * h1) / (3.0 * (h0 + h1));
+    before * after / (share * after + (1.0 - share) * before)
+}
+
+/// Where rings are, and the texture coordinate there.
+struct Along {
+    /// Distance from the snout, texture coordinate, and the measure that rings are spaced by.
+    stations: Vec<(f64, f64, f64)>,
+}
+
+impl Along {
+    /// `aspect` = tile girth/tile length.
+    fn new(profile: &Profile, section: &Section, length: f64, aspect: f64) -> Self {
+        let count = 4096;
+        let station = |i: i32| {
+            let s = 0.5 * length * (1.0 - libm::cos(PI * f64::from(i) / f64::from(count)));
+            let [a, b] = profile.at(s).0;
+            (s, a, section.girth(DVec2::new(a, b)))
+        };
+        let mut last = station(0);
+        let (mut v, mut measure) = (0.0, 0.0);
+        let mut stations = vec![(0.0, 0.0, 0.0)];
+        for i in 1..=count {
+            let next = station(i);
+            let girth = 0.5 * (last.2 + next.2).max(2.0 * PI * LEAST_GIRTH);
+            v += (next.0 - last.0) * aspect / girth;
+            // As many rings as keep the quads' shape: by meridian length over girth, but not endless at the tips.
+            let meridian =
+                ((next.0 - last.0) * (next.0 - last.0) + (next.1 - last.1) * (next.1 - last.1)).sqrt();
+            measure += meridian / girth.max(0.3 * PI);
+            stations.push((next.0, v, measure));
+            last = next;
+        }
+        Self { stations }
+    }
+
+    /// How many times longer than around the grid should be for square quads.
+    fn squares(&self) -> f64 {
+        self.stations.last().map_or(1.0, |station| station.2)
+    }
+
+    /// Distance from the snout and texture coordinate at a share of the rings.
+    fn at(&self, share: f64) -> (f64, f64) {
+        let measure = share * self.squares();
+        let after = self.stations.partition_point(|station| station.2 < measure);
+        let after = after.max(1).min(self.stations.len() - 1);
+        let ((s0, v0, m0), (s1, v1, m1)) = (self.stations[after - 1], self.stations[after]);
+        let t = ((measure - m0) / (m1 - m0)).max(0.0).min(1.0);
+        (s0 + (s1 - s0) * t, v0 + (v1 - v0) * t)
+    }
+}
+
+/// Segments around and intervals along, `2 around (intervals - 1)` triangles: the nearest number to `triangles` among
+/// grids whose quads are square within a third.
+fn grid(triangles: usize, squares: f64) -> (usize, usize) {
+    let ideal = (triangles as f64 * 0.5 / squares).sqrt();
+    let ((low, high), ideal) = (((ideal / 1.34) as usize, (ideal * 1.34) as usize), ideal);
+    let candidates = (low.max(8)..=high.max(12)).map(|around| {
+        let intervals = ((triangles as f64 / (2 * around) as f64).round() as usize).max(8) + 1;
+        let error = (2 * around * (intervals - 1)).abs_diff(triangles);
+        (error, (around as f64 - ideal).abs(), around, intervals)
+    });
+    let best = candidates.min_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
+    best.map_or((8, 9), |(_, _, around, intervals)| (around, intervals))
+}
+
+/// One ring of vertices: `around + 1` of them, the seam twice.
+struct RingOf {
+    frame: Frame,
+    v: f64,
+    around: usize,
+}
+
+impl RingOf {
+    /// Vertices that all lie at the end of the centre line; each has the u of the middle of its triangle.
+    fn pole(&self, outward: Vec3, mesh: &mut Mesh) {
+        for i in 0..=self.around {
+            let u = ((i as f64 + 0.5) / self.around as f64).min(1.0);
+            mesh.positions.push(self.frame.position.as_vec3());
+            mesh.normals.push(outward);
+            mesh.uvs.push(Vec2::new(u as f32, self.v as f32));
+        }
+    }
+
+    /// Vertices at equal distances around the section.
+    fn open(&self, section: &Section, (axes, rates): ([f64; 2], [f64; 2]), mesh: &mut Mesh) {
+        let Frame { position, tangent, up, right, .. } = self.frame;
+        let (axes, rates) = (DVec2::from(axes), DVec2::from(rates));
+        let lengths = section.lengths(axes);
+        let (segments, girth) = (lengths.len() - 1, lengths[lengths.len() - 1]);
+        let mut segment = 0;
+        for i in 0..=self.around {
+            let u = i as f64 / self.around as f64;
+            let wanted = u * girth;
+            while segment + 1 < segments && lengths[segment + 1] < wanted {
+                segment += 1;
+            }
+            let t = (wanted - lengths[segment]) / (lengths[segment + 1] - lengths[segment]).max(1e-300);
+            // The seam's two vertices are one place, to the bit.
+            let angle = if i == self.around { 0.0 } else { TAU * (segment as f64 + t) / segments as f64 };
+            let [unit, turn] = section.at(angle);
+            let (point, turn, grow) = (unit * axes, turn * axes, unit * rates);
+            // Outward in the plane of the section, as u runs from the belly over the left side.
+            let outward = DVec2::new(-turn.y, turn.x);
+            let advance = 1.0 - self.frame.bend_right * point.x - self.frame.bend_up * point.y;
+            let twist = DVec2::new(-point.y, point.x) * self.frame.twist;
+            let slope = outward.dot(grow + twist) / advance.max(0.05);
+            let normal = right * outward.x + up * outward.y - tangent * slope;
+            mesh.positions.push((position + right * point.x + up * point.y).as_vec3());
+            mesh.normals.push(normal.normalize_or(up).as_vec3());
+            mesh.uvs.push(Vec2::new(u as f32, self.v as f32));
+        }
+    }
+}
+
+/// Triangles of a grid of rings that is closed by poles at both ends.
+fn triangles(around: u32, intervals: u32) -> Vec<[u32; 3]> {
+    let row = around + 1;
+    let mut out = Vec::with_capacity(2 * (around * (intervals - 1)) as usize);
+    for ring in 0..intervals {
+        for i in 0..around {
+            let (a, b) = (ring * row + i, (ring + 1) * row + i);
+            if ring > 0 {
+                out.push([a, b, a + 1]);
+            }
+            if ring + 1 < intervals {
+                out.push([a + u32::from(ring > 0), b, b + 1]);
+            }
+        }
+    }
+    out
+}
