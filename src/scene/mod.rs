@@ -7,6 +7,8 @@
 //! | [`Material`], [`SkinMaps`] | what a surface is made of |
 //! | [`Snake`], [`Pose`] | the animal's form: how it lies, swept to a mesh |
 //! | [`Camera`], [`Light`] | where from, and by what light |
+//! | [`Environment`], [`sky`], [`studio`] | what is all around, and how it is sampled |
+//! | [`tone`] | exposure, and curves to what a screen shows |
 //!
 //! The scene unit is the diameter of the animal's body at its thickest; [`Scene::mm_per_unit`] says how long that is. x is
 //! to the right, y up, z towards the viewer. No files here: images and meshes come as bytes or planes.
@@ -18,8 +20,11 @@ pub mod light;
 pub mod material;
 pub mod mesh;
 pub mod pose;
+pub mod sky;
 pub mod snake;
+pub mod studio;
 pub mod tangents;
+pub mod tone;
 
 pub use camera::{Camera, View};
 pub use environment::{
