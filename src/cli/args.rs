@@ -244,7 +244,7 @@ pub(super) struct Film {
     #[arg(long, value_name = "ERROR", requires = "csv")]
     pub(super) tolerance: Option<f64>,
     /// How colours are computed: reference, series-K (K terms), uniform-N (N wavelengths), three (as in the thesis),
-    /// three-best.
+    /// three-best, belcour-gltf (as viewers do), belcour, belcour-white, lut-N or lut-NxM (cosines and thicknesses).
     #[arg(long)]
     pub(super) method: Option<Method>,
     /// Numbers that are computed with.

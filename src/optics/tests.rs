@@ -124,6 +124,21 @@ fn few_wavelengths_are_much_worse_than_few_terms() {
 }
 
 #[test]
+fn what_viewers_do_is_between_three_wavelengths_and_the_series() {
+    let methods =
+        [Method::Three(film_color::BEST_NM), Method::BelcourGltf, Method::Belcour, Method::BelcourWhite];
+    let errors = methods.map(|method| colors::<f64>(method, 1.0));
+    assert!(errors.windows(2).all(|e| e[1].rms < e[0].rms));
+    let series = colors::<f64>(Method::Series(3), 1.0);
+    assert!(errors.iter().all(|e| e.rms > 3.0 * series.rms && e.snake > 3.0 * series.snake));
+    let [single, double] = [colors::<f32>(Method::Belcour, 1.0), colors::<f64>(Method::Belcour, 1.0)];
+    assert!((single.rms - double.rms).abs() < 1e-4);
+    // The table is of the default film, and so are its errors.
+    let table = colors::<f32>(Method::Table(256, 256), 1.0);
+    assert!(table.snake > 1e-6 && table.snake < 2e-3);
+}
+
+#[test]
 fn default_film_colours_are_the_independent_ones() {
     let expected = [
         (200.0, [0.119220, 0.093832, 0.020589]),
@@ -162,8 +177,16 @@ fn default_film_colours_are_the_independent_ones() {
 
 #[test]
 fn thickness_0_is_gray_and_exactly_fresnel_by_every_method() {
-    let methods =
-        [Method::REFERENCE, Method::Series(3), Method::Uniform(16), Method::Three(film_color::BEST_NM)];
+    // But for glTF's, which has no Fresnel.
+    let methods = [
+        Method::REFERENCE,
+        Method::Series(3),
+        Method::Uniform(16),
+        Method::Three(film_color::BEST_NM),
+        Method::Belcour,
+        Method::BelcourWhite,
+        Method::Table(8, 8),
+    ];
     for method in methods {
         let evaluator = FilmColor::<f32>::new(method);
         for c in [0.0, 0.01, 0.5, 1.0] {
@@ -216,7 +239,14 @@ fn sweep<F: Real>(count: u32, tolerance: f64) {
     let thicknesses = [0.0, 1e-30, 1e-6, 1.0, 550.0 / 6.0, 400.0, 2.4e6, 1e9];
     let cosines = [0.0, 1.0, 1e-300, 1e-38, 1e-20, 1e-6, -0.5, 2.0, f64::NAN, 0.745_355_992_5, 0.999_999_9];
     let wavelengths = [550.0, 380.0, 780.0, 0.0, -1.0, 1e30, f64::NAN];
-    let colors = [Method::Series(3), Method::REFERENCE].map(FilmColor::<F>::new);
+    let methods = [
+        Method::Series(3),
+        Method::REFERENCE,
+        Method::BelcourGltf,
+        Method::BelcourWhite,
+        Method::Table(4, 4),
+    ];
+    let colors = methods.map(FilmColor::<F>::new);
     let mut counter = 0;
     for i in 0..count {
         let f = F::from_f64;
@@ -233,10 +263,10 @@ fn sweep<F: Real>(count: u32, tolerance: f64) {
             assert!(good, "{n:?} {d} {cosine} {wavelength}: R {r:e} T {t:e}, sum - 1 = {:e}", r + t - 1.0);
         }
         // The reference is slow; the shading series is not.
-        let method = &colors[usize::from(i % 256 == 0)];
+        let method = if i % 64 == 0 { &colors[(i / 64) as usize % colors.len()] } else { &colors[0] };
         for c in method.color(&film, cosine) {
-            // Out-of-gamut colours, and for few terms their rest.
-            assert!((-0.3..=1.6).contains(&c.to_f64()), "{n:?} {d} {cosine}: colour {c}");
+            // Out-of-gamut colours, and for few terms and Gaussians their rest.
+            assert!((-0.3..=1.6).contains(&c.to_f64()), "{n:?} {d} {cosine} {}: colour {c}", method.method());
         }
     }
 }

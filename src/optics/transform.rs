@@ -15,6 +15,8 @@ use super::real::Real;
 
 /// Path difference between two entries, nm: for C's shortest period, 380 nm, cubic interpolation is then right to 1e-7.
 pub const STEP_NM: f64 = 4.0;
+/// In single precision every so manieth entry is kept: 1e-6 is all that f32 is good for, and caches are small.
+const STRIDE: usize = 2;
 /// Intervals of the table.
 const INTERVALS: usize = 10_240;
 /// Path difference from which C is taken as 0, nm.
@@ -36,14 +38,17 @@ struct Entry<F> {
     c: [F; 3],
     /// Derivative of C times the step.
     slope: [F; 3],
-    /// S, nm.
-    s: [F; 3],
 }
 
 /// The transform as a table with exact slopes, interpolated by cubics (Hermite).
 #[derive(Debug)]
 pub struct Transform<F> {
     entries: Vec<Entry<F>>,
+    /// S at the same places, nm.
+    integrals: Vec<[F; 3]>,
+    /// Path difference between two entries, nm, and its inverse.
+    step: F,
+    per_nm: F,
 }
 
 impl Transform<f64> {
@@ -59,19 +64,19 @@ impl Transform<f64> {
         let chunk = |chunk: usize| {
             let first = chunk * CHUNK;
             let count = CHUNK.min(INTERVALS + 1 - first);
-            let mut entries = vec![Entry::<f64>::default(); count];
+            let mut entries = vec![(Entry::<f64>::default(), [0.0; 3]); count];
             for node in cie::nodes() {
                 // cos and sin of 2 pi x/lambda, turned by one step from entry to entry.
                 let omega = TAU / node.wavelength_nm;
                 let start = (first as f64 * STEP_NM / node.wavelength_nm).fract() * TAU;
                 let (mut sin, mut cos) = (libm::sin(start), libm::cos(start));
                 let (dsin, dcos) = (libm::sin(omega * STEP_NM), libm::cos(omega * STEP_NM));
-                for entry in &mut entries {
+                for (entry, integral) in &mut entries {
                     for c in 0..3 {
                         let w = node.rgb[c];
                         entry.c[c] += w * cos;
                         entry.slope[c] -= w * omega * STEP_NM * sin;
-                        entry.s[c] += w / omega * sin;
+                        integral[c] += w / omega * sin;
                     }
                     (cos, sin) = (cos * dcos - sin * dsin, sin * dcos + cos * dsin);
                 }
@@ -79,8 +84,9 @@ impl Transform<f64> {
             entries
         };
         let chunks = (INTERVALS + 1).div_ceil(CHUNK);
-        let entries: Vec<Vec<Entry<f64>>> = (0..chunks).into_par_iter().map(chunk).collect();
-        Self { entries: entries.concat() }
+        let chunks: Vec<Vec<_>> = (0..chunks).into_par_iter().map(chunk).collect();
+        let (entries, integrals) = chunks.into_iter().flatten().unzip();
+        Self { entries, integrals, step: STEP_NM, per_nm: 1.0 / STEP_NM }
     }
 }
 
@@ -89,45 +95,48 @@ impl Transform<f32> {
     pub fn single() -> &'static Self {
         static TABLE: OnceLock<Transform<f32>> = OnceLock::new();
         TABLE.get_or_init(|| {
-            let entries = Transform::double().entries.iter();
-            let narrow = |v: [f64; 3]| v.map(|v| v as f32);
+            let (double, step) = (Transform::double(), STRIDE as f64 * STEP_NM);
+            let entry = |e: &Entry<f64>| Entry {
+                c: e.c.map(|v| v as f32),
+                slope: e.slope.map(|v| (STRIDE as f64 * v) as f32),
+            };
             Self {
-                entries: entries
-                    .map(|e| Entry { c: narrow(e.c), slope: narrow(e.slope), s: narrow(e.s) })
-                    .collect(),
+                entries: double.entries.iter().step_by(STRIDE).map(entry).collect(),
+                integrals: double.integrals.iter().step_by(STRIDE).map(|s| s.map(|v| v as f32)).collect(),
+                step: step as f32,
+                per_nm: (1.0 / step) as f32,
             }
         })
     }
 }
 
 impl<F: Real> Transform<F> {
-    /// The interval of `x`, nm, and the place in it, in [0, 1]; `None` beyond the end.
+    /// The interval of `x`, nm, and the place in it, in [0, 1).
     #[inline(always)]
-    fn place(&self, x: F) -> Option<(&Entry<F>, &Entry<F>, F)> {
-        let position = x.abs() * F::from_f64(1.0 / STEP_NM);
-        let whole = position.floor();
-        // A NaN becomes 0.
-        let i = whole.to_f64() as usize;
-        if i >= INTERVALS {
-            return None;
-        }
-        Some((&self.entries[i], &self.entries[i + 1], position - whole))
+    fn place(&self, x: F) -> (usize, F) {
+        let position = x.abs() * self.per_nm;
+        let i = position.whole();
+        (i, position - F::from_f64(i as f64))
     }
 
     /// C at a path difference, nm, for red, green and blue; 0 from [`END_NM`] on.
     #[inline]
     pub fn at(&self, x: F) -> [F; 3] {
-        let Some((a, b, t)) = self.place(x) else { return [F::ZERO; 3] };
+        let (i, t) = self.place(x);
+        let Some([a, b]) = self.entries.get(i..i + 2) else { return [F::ZERO; 3] };
         hermite(a.c, a.slope, b.c, b.slope, t)
     }
 
     /// `S(x) = int_0^x C`, nm, for x >= 0; constant from [`END_NM`] on.
     #[inline]
     pub fn integral(&self, x: F) -> [F; 3] {
-        let Some((a, b, t)) = self.place(x) else { return self.entries[INTERVALS].s };
-        let step = F::from_f64(STEP_NM);
-        let slope = |e: &Entry<F>| std::array::from_fn(|c| e.c[c] * step);
-        hermite(a.s, slope(a), b.s, slope(b), t)
+        let (i, t) = self.place(x);
+        let (Some([a, b]), Some(&[sa, sb])) = (self.entries.get(i..i + 2), self.integrals.get(i..i + 2))
+        else {
+            return self.integrals[self.integrals.len() - 1];
+        };
+        let slope = |e: &Entry<F>| e.c.map(|c| c * self.step);
+        hermite(sa, slope(a), sb, slope(b), t)
     }
 
     /// Mean of C over path differences from `a` to `b`, nm, 0 <= a, b: what a pixel sees whose path difference varies so.
