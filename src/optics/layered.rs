@@ -1,4 +1,34 @@
 //! The whole BRDF of the skin: a film over an absorbing layer over a diffuse base.
+//!
+//! ```text
+//! f = D(h) V(nl, nv) R(wi.h) + (n0/n2)^2 T(nl) T(nv) exp(-tau (1/c2i + 1/c2o)) kd/(pi (1 - kd rho(tau)))
+//! ```
+//!
+//! with GGX's D and height-correlated V ([`ggx`]), R and T of the film in each band ([`Bands`]), the cosines c2 in the
+//! layer ([`super::absorption`]) and the internal reflection rho ([`super::energy`]). The factors `(n0/n2)^2` (radiance is
+//! thinned in a denser medium) and `1/(1 - kd rho)` (light goes to and fro below the interface) are missing in the thesis
+//! (4.20, 4.21), and T is taken at both directions (4.4.2 at one).
+//!
+//! Three steps: [`Layers`] of a material, with its tables; a [`View`] of one point from one direction, with all that does
+//! not depend on the light; then as many lights and samples as one likes. Directions are unit vectors away from the
+//! surface, in the frame of the shading normal, z along it.
+
+use std::f64::consts::{FRAC_1_PI, PI};
+use std::sync::OnceLock;
+
+use super::absorption::cosine_in_layer;
+use super::bands::Bands;
+use super::energy::{Row, Table};
+use super::ggx;
+use super::real::Real;
+use super::thin_film::{Film, FilmError};
+
+/// Roughness below which the film is a mirror: the lobe would be narrower than f32 can tell.
+pub const LEAST_ROUGHNESS: f64 = 0.01;
+/// Optical depth of the layer from which the base is not seen.
+pub const OPAQUE: f64 = 87.0;
+/// Least probability of either lobe where both are there.
+const LEAST_CHANCE: f64 = 0.05;
 
 /// What is the same over a whole surface. Every index is that of a clear medium.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,3 +74,354 @@ pub enum Energy {
     /// What the rough surface does not reflect, by a table: conserves energy at any roughness.
     Coupled,
 }
+
+/// Which parts of the BRDF there are: the stages of the thesis's comparison.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Parts {
+    /// All layers.
+    #[default]
+    All,
+    /// The film alone: what it reflects.
+    Specular,
+    /// What comes from the base through layer and film, without what the film reflects.
+    Diffuse,
+    /// The albedo on a matt surface, `albedo/pi`, without any layer.
+    Lambert,
+}
+
+/// A material made ready: its indices, and tables that are made when first needed.
+#[derive(Debug)]
+pub struct Layers<F> {
+    constants: Constants,
+    film: Film<F>,
+    double: Film<f64>,
+    /// `(n0/n2)^2`.
+    eta: F,
+    /// Of wavelengths and of colours.
+    tables: [OnceLock<Table<F>>; 2],
+}
+
+impl<F: Real> Layers<F> {
+    /// Make a material ready; refused if an index is out of range.
+    pub fn new(constants: &Constants) -> Result<Self, FilmError> {
+        let [n0, n1, n2] = constants.indices.map(f64::from);
+        let f = F::from_f64;
+        Ok(Self {
+            constants: *constants,
+            film: Film::new(f(n0), f(n1), f(n2), F::ZERO)?,
+            double: Film::new(n0, n1, n2, 0.0)?,
+            eta: f((n0 / n2) * (n0 / n2)),
+            tables: [OnceLock::new(), OnceLock::new()],
+        })
+    }
+
+    /// What it was made of.
+    pub fn constants(&self) -> &Constants {
+        &self.constants
+    }
+
+    /// Make the tables for these bands now rather than at first use: some milliseconds, a tenth of a second for
+    /// [`Energy::Coupled`].
+    pub fn prepare<B: Bands<F, N>, const N: usize>(&self) {
+        self.table(B::RGB);
+    }
+
+    fn table(&self, rgb: bool) -> &Table<F> {
+        let rough = self.constants.energy == Energy::Coupled;
+        self.tables[usize::from(rgb)].get_or_init(|| Table::new(&self.double, rgb, rough))
+    }
+
+    /// Look at a point from `wo`.
+    pub fn view<'a, B: Bands<F, N>, const N: usize>(
+        &'a self,
+        bands: &'a B,
+        point: &Point<F, N>,
+        wo: [F; 3],
+        parts: Parts,
+    ) -> View<'a, F, B, N> {
+        let film = self.film.with_thickness(point.thickness_nm);
+        let nv = wo[2].saturate();
+        let mirror = !(point.roughness >= F::from_f64(LEAST_ROUGHNESS));
+        let alpha = if mirror { F::ZERO } else { ggx::alpha(point.roughness) };
+        let [n0, n1, n2] = film.indices();
+        let interface = n0 != n2 || (n1 != n0 && film.thickness_nm() > F::ZERO);
+        let mut view = View {
+            bands,
+            layers: self,
+            film,
+            alpha,
+            wo,
+            mirror: None,
+            specular: interface && matches!(parts, Parts::All | Parts::Specular) && wo[2] > F::ZERO,
+            diffuse: None,
+            chance: F::ZERO,
+        };
+        let albedo = point.albedo.map(F::saturate);
+        let seen = albedo.iter().any(|a| *a > F::ZERO) && wo[2] > F::ZERO;
+        let mean = |values: [F; N]| {
+            values.into_iter().fold(F::ZERO, |sum, v| sum + v) * F::from_f64(1.0 / N.max(1) as f64)
+        };
+        if parts == Parts::Lambert && seen {
+            let scale = albedo.map(|a| a * F::from_f64(FRAC_1_PI));
+            view.diffuse = Some(Diffuse { scale, tau: None, row: None, matt: true });
+            return view;
+        }
+        let through = bands.transmittance(&film, nv);
+        let mut base = F::ZERO;
+        let tau = point.absorption.map(|t| t.max(F::ZERO));
+        let opaque = F::from_f64(OPAQUE);
+        if matches!(parts, Parts::All | Parts::Diffuse) && seen && tau.iter().any(|t| *t < opaque) {
+            let absorbing = tau.iter().any(|t| *t > F::ZERO);
+            let table = self.table(B::RGB);
+            // Unlike the direct formula the table is for films without number: at thickness 0 all bands are one.
+            let fringes = bands.fringes(&film);
+            let coupled = self.constants.energy == Energy::Coupled && !mirror;
+            let roughness = if mirror { F::ZERO } else { point.roughness };
+            let row = coupled.then(|| table.row(roughness, fringes));
+            let through = row.as_ref().map_or(through, |row| table.transmittance(row, nv));
+            let leaving = table.leaving(roughness, fringes, absorbing);
+            let lost = if absorbing { table.lost(&leaving, tau) } else { leaving.clear };
+            let mut scale = [F::ZERO; N];
+            for i in 0..N {
+                // kd/(1 - kd rho), with kd = a/((1 - rho0) + a rho0) multiplied out, all in 1 - rho.
+                let (a, clear) = (albedo[i], leaving.clear[i]);
+                let below = match self.constants.albedo {
+                    Albedo::Apparent => clear + a * (lost[i] - clear),
+                    Albedo::Intrinsic => (F::ONE - a) + a * lost[i],
+                };
+                let factor = self.eta * F::from_f64(FRAC_1_PI) * a * through[i];
+                scale[i] = if below > F::ZERO { factor / below } else { F::ZERO };
+            }
+            // The share of energy, roughly: light comes in along the normal.
+            let mut share = leaving.clear;
+            (0..N).for_each(|i| share[i] = share[i] * scale[i]);
+            let tau = absorbing.then(|| {
+                let c2 = self.layer_cosine(nv);
+                (0..N).for_each(|i| share[i] = share[i] * (tau[i] * (F::ONE / c2 + F::ONE)).decay());
+                (tau, F::ONE / c2)
+            });
+            base = mean(share) * F::from_f64(PI) / self.eta;
+            view.diffuse = Some(Diffuse { scale, tau, row, matt: false });
+        }
+        if view.specular {
+            let reflected = through.map(|t| F::ONE - t);
+            let top = mean(reflected);
+            view.chance = match view.diffuse {
+                None => F::ONE,
+                Some(_) => {
+                    let least = F::from_f64(LEAST_CHANCE);
+                    let share = top / (top + base).max(F::from_f64(1e-30));
+                    share.max(least).min(F::ONE - least)
+                }
+            };
+            if mirror {
+                view.mirror = Some(bands.reflectance(&film, nv));
+            }
+        }
+        view
+    }
+
+    /// Cosine in the layer.
+    #[inline(always)]
+    fn layer_cosine(&self, cosine: F) -> F {
+        let [n0, _, n2] = self.film.indices();
+        cosine_in_layer(n0, n2, cosine)
+    }
+}
+
+/// What a point of the surface has of its own.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Point<F, const N: usize> {
+    /// Thickness of the film, nm, limited to 0 to 1e9; NaN is 0.
+    pub thickness_nm: F,
+    /// Perceptual roughness, limited to [0, 1]; below [`LEAST_ROUGHNESS`] a mirror.
+    pub roughness: F,
+    /// Albedo of the base in each band, limited to [0, 1]; see [`Albedo`].
+    pub albedo: [F; N],
+    /// Optical depth of the layer along the normal in each band; negative is 0.
+    pub absorption: [F; N],
+}
+
+/// What the base sends back.
+#[derive(Clone, Copy, Debug)]
+struct Diffuse<F, const N: usize> {
+    /// All that does not depend on the light.
+    scale: [F; N],
+    /// Optical depth and `1/c2o`, if anything is absorbed.
+    tau: Option<([F; N], F)>,
+    /// What the rough film reflects at all angles, if coupled.
+    row: Option<Row<F, N>>,
+    /// No film at all.
+    matt: bool,
+}
+
+/// A point seen from one direction: everything is ready but for the light.
+#[derive(Debug)]
+pub struct View<'a, F, B, const N: usize> {
+    bands: &'a B,
+    layers: &'a Layers<F>,
+    film: Film<F>,
+    alpha: F,
+    wo: [F; 3],
+    /// Reflectance of the smooth film, if it is one.
+    mirror: Option<[F; N]>,
+    specular: bool,
+    diffuse: Option<Diffuse<F, N>>,
+    /// Probability that the film is sampled.
+    chance: F,
+}
+
+/// A direction that light may come from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sample<F, const N: usize> {
+    /// Where the light comes from: unit, above the surface.
+    pub wi: [F; 3],
+    /// BRDF without the cosine, 1/sr. For a mirror the factor of its delta function over the cosine: in both cases
+    /// `f wi.z/pdf` is what a path is multiplied by.
+    pub f: [F; N],
+    /// Density, 1/sr; for a mirror the probability of this lobe.
+    pub pdf: F,
+    /// Whether it is a mirror's: no other way of sampling finds this direction.
+    pub delta: bool,
+}
+
+impl<F: Real, B: Bands<F, N>, const N: usize> View<'_, F, B, N> {
+    /// BRDF without the cosine, 1/sr, and the density of [`View::sample`]; both without a mirror's part. 0 below the
+    /// horizon. Never negative; no NaN for unit vectors.
+    #[inline]
+    pub fn eval_pdf(&self, wi: [F; 3]) -> ([F; N], F) {
+        let (mut f, mut pdf) = ([F::ZERO; N], F::ZERO);
+        let (nl, nv) = (wi[2], self.wo[2]);
+        if !(nl > F::ZERO && nv > F::ZERO) {
+            return (f, pdf);
+        }
+        if self.specular && self.mirror.is_none() {
+            // With less f32 would overflow, and have no half vector.
+            let grazing = F::from_f64(1e-7);
+            let (nl, nv) = (nl.max(grazing), nv.max(grazing));
+            let sum = [wi[0] + self.wo[0], wi[1] + self.wo[1], nl + nv];
+            let over = F::ONE / dot(sum, sum).safe_sqrt();
+            let half = sum.map(|s| s * over);
+            let density = ggx::density_at(self.alpha, half);
+            let lobe = density * ggx::visibility(self.alpha, nl, nv);
+            let r = self.bands.reflectance(&self.film, dot(self.wo, half));
+            for i in 0..N {
+                f[i] = lobe * r[i];
+            }
+            // Visible normals: G1 D v.h/nv, over 4 v.h for the reflected direction.
+            pdf = self.chance * density * F::from_f64(0.25) * ggx::masking(self.alpha, nv) / nv;
+        }
+        if let Some(diffuse) = &self.diffuse {
+            let base = self.base(diffuse, nl);
+            for i in 0..N {
+                f[i] += base[i];
+            }
+            pdf += (F::ONE - self.chance) * nl * F::from_f64(FRAC_1_PI);
+        }
+        (f, pdf)
+    }
+
+    /// BRDF without the cosine, 1/sr; a mirror's part is not in it.
+    #[inline]
+    pub fn eval(&self, wi: [F; 3]) -> [F; N] {
+        self.eval_pdf(wi).0
+    }
+
+    /// Density of [`View::sample`], 1/sr; a mirror's part is not in it.
+    #[inline]
+    pub fn pdf(&self, wi: [F; 3]) -> F {
+        self.eval_pdf(wi).1
+    }
+
+    /// A direction by three uniform numbers in [0, 1); `None` where the light ends.
+    pub fn sample(&self, random: [F; 3]) -> Option<Sample<F, N>> {
+        let wo = self.wo;
+        let wi = if random[0] < self.chance {
+            if let Some(r) = self.mirror {
+                let wi = [-wo[0], -wo[1], wo[2]];
+                let over = F::ONE / wo[2];
+                return Some(Sample { wi, f: r.map(|r| r * over), pdf: self.chance, delta: true });
+            }
+            let half = ggx::sample_visible(self.alpha, wo, [random[1], random[2]]);
+            let twice = dot(wo, half) * F::from_f64(2.0);
+            std::array::from_fn(|i| twice * half[i] - wo[i])
+        } else {
+            self.diffuse.as_ref()?;
+            cosine_hemisphere([random[1], random[2]])
+        };
+        let (f, pdf) = self.eval_pdf(wi);
+        (pdf > F::ZERO && wi[2] > F::ZERO).then_some(Sample { wi, f, pdf, delta: false })
+    }
+
+    /// Part of the base.
+    #[inline(always)]
+    fn base(&self, diffuse: &Diffuse<F, N>, nl: F) -> [F; N] {
+        let mut f = diffuse.scale;
+        if diffuse.matt {
+            return f;
+        }
+        let through = match &diffuse.row {
+            Some(row) => self.layers.table(B::RGB).transmittance(row, nl),
+            None => self.bands.transmittance(&self.film, nl),
+        };
+        for i in 0..N {
+            f[i] = f[i] * through[i];
+        }
+        if let Some((tau, out)) = &diffuse.tau {
+            let way = F::ONE / self.layers.layer_cosine(nl) + *out;
+            for i in 0..N {
+                f[i] = f[i] * (tau[i] * way).decay();
+            }
+        }
+        f
+    }
+}
+
+/// [`View::eval`] of a view that is used once.
+pub fn eval<F: Real, B: Bands<F, N>, const N: usize>(
+    layers: &Layers<F>,
+    bands: &B,
+    point: &Point<F, N>,
+    wo: [F; 3],
+    wi: [F; 3],
+) -> [F; N] {
+    layers.view(bands, point, wo, Parts::All).eval(wi)
+}
+
+/// [`View::pdf`] of a view that is used once.
+pub fn pdf<F: Real, B: Bands<F, N>, const N: usize>(
+    layers: &Layers<F>,
+    bands: &B,
+    point: &Point<F, N>,
+    wo: [F; 3],
+    wi: [F; 3],
+) -> F {
+    layers.view(bands, point, wo, Parts::All).pdf(wi)
+}
+
+/// [`View::sample`] of a view that is used once.
+pub fn sample<F: Real, B: Bands<F, N>, const N: usize>(
+    layers: &Layers<F>,
+    bands: &B,
+    point: &Point<F, N>,
+    wo: [F; 3],
+    random: [F; 3],
+) -> Option<Sample<F, N>> {
+    layers.view(bands, point, wo, Parts::All).sample(random)
+}
+
+#[inline(always)]
+fn dot<F: Real>(a: [F; 3], b: [F; 3]) -> F {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// A direction with density `cos/pi`: a point of the disc, lifted (Malley's method).
+fn cosine_hemisphere<F: Real>(random: [F; 2]) -> [F; 3] {
+    let radius = random[0].safe_sqrt();
+    let (sin, cos) = (random[1] - F::from_f64(0.5)).sin_cos_half_turns();
+    let (sin, cos) = (sin * cos * F::from_f64(2.0), (cos - sin) * (cos + sin));
+    [radius * cos, radius * sin, (F::ONE - random[0]).safe_sqrt()]
+}
+
+#[cfg(test)]
+mod tests;

@@ -10,6 +10,9 @@
 //! | [`cie`] | illuminant, observer, sRGB, CIEDE2000 |
 //! | [`absorption`] | the pigment layer below the film: Beer-Lambert |
 //! | [`ggx`] | microfacets: GGX, height-correlated Smith masking, visible normals |
+//! | [`Bands`], [`Spectral`] | what a BRDF is computed in: red, green, blue, or N wavelengths |
+//! | [`energy`] | what a rough film reflects and keeps inside: exact, and the tables of shading |
+//! | [`layered`], [`Layers`], [`View`] | the BRDF of all layers: evaluate, sample, density |
 //!
 //! Indices n0 (outside), n1 (film), n2 (below) are real; angles are given by their cosine in n0; lengths in nanometres.
 //!
@@ -33,11 +36,14 @@
 //! | 4.4.2 | `I fr + (1 - I) fabs` | T at both directions | not reciprocal |
 
 pub mod absorption;
+pub mod bands;
 pub mod cie;
+pub mod energy;
 pub mod film_color;
 pub mod fresnel;
 pub mod ggx;
 pub mod layered;
+mod quadrature;
 mod real;
 pub mod thin_film;
 pub mod transform;
@@ -45,8 +51,10 @@ pub mod transform;
 #[cfg(test)]
 mod tests;
 
+pub use bands::{Bands, Spectral};
 pub use film_color::{FilmColor, Method};
 pub use fresnel::Polarised;
+pub use layered::{Layers, Parts, Point, Sample, View};
 pub use real::Real;
 pub use thin_film::{Film, FilmError, Power};
 pub use transform::Transform;

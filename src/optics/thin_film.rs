@@ -107,6 +107,12 @@ impl<F: Real> Film<F> {
         Ok(Self { n0, n1, n2, d: thickness_nm })
     }
 
+    /// The same film with another thickness, nm, limited to 0 to [`MAX_THICKNESS_NM`]; NaN is 0.
+    #[inline]
+    pub fn with_thickness(self, thickness_nm: F) -> Self {
+        Self { d: thickness_nm.max(F::ZERO).min(F::from_f64(MAX_THICKNESS_NM)), ..self }
+    }
+
     /// Indices n0, n1, n2.
     pub fn indices(&self) -> [F; 3] {
         [self.n0, self.n1, self.n2]
@@ -180,6 +186,48 @@ impl<F: Real> Film<F> {
 }
 
 impl<F: Real> Incidence<F> {
+    /// Part of unpolarised light that is reflected, or transmitted, at each of N wavelengths, nm, with their inverses.
+    ///
+    /// The formula of [`Film::power_polarised`], with what does not depend on the wavelength taken out of the loop, so
+    /// that four or eight wavelengths in f32 are one vector each.
+    #[inline(always)]
+    pub(super) fn unpolarised<const N: usize, const REFLECTED: bool>(
+        &self,
+        d: F,
+        wavelengths_nm: &[F; N],
+        inverse: &[F; N],
+    ) -> [F; N] {
+        let half = F::from_f64(0.5);
+        let of = |power: Polarised<Power<F>>| match REFLECTED {
+            true => (power.s.reflected + power.p.reflected) * half,
+            false => (power.s.transmitted + power.p.transmitted) * half,
+        };
+        let (y, rest, of) = match *self {
+            Self::Gray(power) => return [of(power); N],
+            Self::Film { y, rest, frustrated: false, of } if y > F::ZERO => (y, rest, of),
+            Self::Film { .. } => return wavelengths_nm.map(|l| of(self.power(d, l))),
+        };
+        let over = F::ONE / y;
+        // Coefficients of cos^2 and sin^2 in the numerator and the denominator.
+        let coefficients = |Admittances { x, yy, z }: Admittances<F>| {
+            let xz = x * z;
+            let four = F::from_f64(4.0) * xz;
+            let (p, q) = ((x - z).squared(), ((xz - yy) * over).squared());
+            let (num_p, num_q) = if REFLECTED { (p, q) } else { (four, four) };
+            (num_p, num_q, (x + z).squared(), ((xz + yy) * over).squared())
+        };
+        let (s, p) = (coefficients(of.s), coefficients(of.p));
+        let mut out = [F::ZERO; N];
+        for i in 0..N {
+            let ss = F::phase_sine_squared(d, y, rest, wavelengths_nm[i], inverse[i]).min(F::ONE);
+            let cc = F::ONE - ss;
+            let rs = (s.0 * cc + s.1 * ss) / (s.2 * cc + s.3 * ss);
+            let rp = (p.0 * cc + p.1 * ss) / (p.2 * cc + p.3 * ss);
+            out[i] = ((rs + rp) * half).min(F::ONE);
+        }
+        out
+    }
+
     /// Power at one wavelength, nm, of a film of thickness `d`, nm.
     #[inline]
     pub(super) fn power(&self, d: F, wavelength_nm: F) -> Polarised<Power<F>> {
