@@ -8,33 +8,43 @@
 //! | [`Snake`], [`Pose`] | the animal's form: how it lies, swept to a mesh |
 //! | [`Camera`], [`Light`] | where from, and by what light |
 //! | [`Environment`], [`sky`], [`studio`] | what is all around, and how it is sampled |
+//! | [`SceneSpec`], [`builtin`] | a scene as text, and those that come with the library |
+//! | [`SceneFeatures`] | which parts a scene needs |
 //! | [`tone`] | exposure, and curves to what a screen shows |
 //!
 //! The scene unit is the diameter of the animal's body at its thickest; [`Scene::mm_per_unit`] says how long that is. x is
 //! to the right, y up, z towards the viewer. No files here: images and meshes come as bytes or planes.
 
+pub mod build;
+pub mod builtin;
 pub mod camera;
 pub mod curve;
 pub mod environment;
+pub mod features;
 pub mod light;
 pub mod material;
 pub mod mesh;
+mod plain;
 pub mod pose;
 pub mod sky;
 pub mod snake;
+pub mod spec;
 pub mod studio;
 pub mod tangents;
 pub mod tone;
 
+pub use build::{Inputs, SceneError};
 pub use camera::{Camera, View};
 pub use environment::{
     Environment, EnvironmentError, EnvironmentImage, EnvironmentSample, EnvironmentSampler,
 };
+pub use features::SceneFeatures;
 pub use light::{Light, LightHit, LightSample};
 pub use material::{Material, SkinMaps, Texel};
 pub use mesh::Mesh;
 pub use pose::Pose;
 pub use snake::Snake;
+pub use spec::SceneSpec;
 
 /// Everything that is rendered.
 #[derive(Clone, Debug)]
