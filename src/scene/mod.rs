@@ -6,6 +6,8 @@
 //! | [`Mesh`] | triangles with normals, tangents and texture coordinates |
 //! | [`Material`], [`SkinMaps`] | what a surface is made of |
 //! | [`Snake`], [`Pose`] | the animal's form: how it lies, swept to a mesh |
+//! | [`swatch`], [`import`] | plain forms, and meshes of one's own |
+//! | [`displace`], [`tangents`] | a height map moves vertices; tangents by MikkTSpace |
 //! | [`Camera`], [`Light`] | where from, and by what light |
 //! | [`Environment`], [`sky`], [`studio`] | what is all around, and how it is sampled |
 //! | [`SceneSpec`], [`builtin`] | a scene as text, and those that come with the library |
@@ -19,8 +21,10 @@ pub mod build;
 pub mod builtin;
 pub mod camera;
 pub mod curve;
+pub mod displace;
 pub mod environment;
 pub mod features;
+pub mod import;
 pub mod light;
 pub mod material;
 pub mod mesh;
@@ -30,6 +34,7 @@ pub mod sky;
 pub mod snake;
 pub mod spec;
 pub mod studio;
+pub mod swatch;
 pub mod tangents;
 pub mod tone;
 

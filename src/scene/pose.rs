@@ -11,7 +11,9 @@ const STEP: f64 = 0.05;
 /// Parts of the body closer than this along it touch anyway and do not lift each other, body diameters.
 const NEIGHBOURHOOD: f64 = 2.0;
 /// Length over which the body begins to rise before it meets what lies below, body diameters.
-const RISE: f64 = 1.1;
+const RISE: f64 = 0.8;
+/// Distance of a coil's turns as a share of their thickness.
+const OVERLAP: f64 = 0.93;
 
 /// How the body lies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -60,7 +62,7 @@ impl Pose {
     /// snake); a coil takes more of it than other poses do.
     pub const fn usual_length_in_diameters(self) -> f32 {
         match self {
-            Self::Coil => 30.0,
+            Self::Coil => 36.0,
             _ => 24.0,
         }
     }
@@ -73,12 +75,12 @@ impl Pose {
         if !(length > 0.0 && length <= 1000.0) {
             return None;
         }
-        let laid = laid(&self.drawing(length), length, extent);
+        let laid = laid(&self.drawing(length, &extent), length, &extent);
         Curve::through(&laid, length)
     }
 
     /// Points on the ground at about [`STEP`], snout first, at least `length` in all.
-    fn drawing(self, length: f64) -> Vec<DVec2> {
+    fn drawing(self, length: f64, extent: &dyn Fn(f64) -> Extent) -> Vec<DVec2> {
         let heading: Box<dyn Fn(f64) -> f64> = match self {
             Self::Straight => Box::new(|_| 0.0),
             Self::Serpentine => {
@@ -93,7 +95,7 @@ impl Pose {
                     1.55 * PI * smootherstep((x - 0.2) / 0.6) + 0.35 * wave
                 })
             }
-            Self::Coil => return coil(length),
+            Self::Coil => return coil(length, extent),
         };
         let mut place = DVec2::ZERO;
         let count = (length / STEP) as usize + 4;
@@ -107,39 +109,40 @@ impl Pose {
     }
 }
 
-/// A spiral outwards from its inner end, before it the neck and head, which leave it and cross its turns.
-fn coil(length: f64) -> Vec<DVec2> {
-    let inner = 1.25;
-    // The first turn out lies lower: it is overlapped; the outer ones lie side by side.
-    let pitch = |turns: f64| 0.90 * turns + 0.11 * (turns - 0.8 * (1.0 - libm::exp(-turns / 0.8)));
-    let radius = |angle: f64| inner + pitch(angle / TAU);
+/// A spiral outwards whose turns are as far apart as the body is thick; before it the neck, which leaves its inner end and
+/// crosses the turns, and the head, which lies upon them and looks at the viewer.
+fn coil(length: f64, extent: &dyn Fn(f64) -> Extent) -> Vec<DVec2> {
+    let fore = 3.9;
     let mut spiral = vec![];
-    let (mut angle, mut walked) = (0.0, 0.0);
-    while walked < length + 1.0 {
-        let r = radius(angle);
-        spiral.push(DVec2::new(libm::cos(angle), libm::sin(angle)) * r);
-        let rate = (radius(angle + 1e-4) - radius((angle - 1e-4f64).max(0.0))) / 2e-4;
-        angle += STEP / (r * r + rate * rate).sqrt();
-        walked += STEP;
+    let (mut radius, mut angle, mut along) = (1.0, 0.0, fore);
+    while along < length + 1.0 {
+        spiral.push(DVec2::new(libm::cos(angle), libm::sin(angle)) * radius);
+        // A little closer than side by side: each turn leans on the next one out.
+        let growth = OVERLAP * extent(along).side / PI;
+        let turn = STEP / (radius * radius + growth * growth).sqrt();
+        radius += growth * turn;
+        angle += turn;
+        along += STEP;
     }
-    // Head-ward from the inner end: the spiral's curvature dies out and turns over.
-    let (a, b, c) = (spiral[0], spiral[1], spiral[2]);
-    let out = a - b;
-    let turn = libm::atan2((b - c).perp_dot(a - b), (b - c).dot(a - b)) / STEP;
-    let mut heading = libm::atan2(out.y, out.x);
+    let [a, b, c] = [spiral[0], spiral[1], spiral[2]];
+    let curvature = libm::atan2((b - c).perp_dot(a - b), (b - c).dot(a - b)) / STEP;
+    let mut heading = libm::atan2(a.y - b.y, a.x - b.x);
     let mut place = a;
-    let mut fore = vec![];
-    let fore_length = 5.2;
-    for i in 0..(fore_length / STEP) as usize {
-        let s = (i as f64 + 0.5) * STEP;
-        let curvature = turn * (1.0 - smootherstep(s / 2.2)) - 0.35 * turn * smootherstep((s - 1.6) / 2.0);
-        heading += curvature * STEP;
-        place += DVec2::new(libm::cos(heading), libm::sin(heading)) * STEP;
-        fore.push(place);
-    }
-    fore.reverse();
-    fore.extend(spiral);
-    fore
+    let mut points: Vec<DVec2> = (0..(fore / STEP) as usize)
+        .map(|i| {
+            // An S: out of the spiral, over its turns, and along them again.
+            let s = (i as f64 + 0.5) * STEP;
+            let bend = 1.0 - 1.4 * smootherstep(s / 1.3) + 1.5 * smootherstep((s - 1.2) / 1.6);
+            heading += curvature * bend * STEP;
+            place += DVec2::new(libm::cos(heading), libm::sin(heading)) * STEP;
+            place
+        })
+        .collect();
+    points.reverse();
+    points.extend(spiral);
+    let look = (points[0] - points[20]).normalize_or_zero();
+    let turned = DVec2::new(0.6, 0.8).rotate(DVec2::new(look.x, -look.y));
+    points.into_iter().map(|p| turned.rotate(p)).collect()
 }
 
 /// A step from 0 to 1 with two continuous derivatives (Perlin 2002).
@@ -149,7 +152,7 @@ fn smootherstep(x: f64) -> f64 {
 }
 
 /// The drawing with heights: on the ground, or upon what lies there already; tail first, head last.
-fn laid(drawing: &[DVec2], length: f64, extent: impl Fn(f64) -> Extent) -> Vec<DVec3> {
+fn laid(drawing: &[DVec2], length: f64, extent: &dyn Fn(f64) -> Extent) -> Vec<DVec3> {
     let middle = {
         let count = ((length / STEP) as usize).min(drawing.len());
         let (low, high) = drawing[..count]

@@ -392,3 +392,218 @@ fn triangles(around: u32, intervals: u32) -> Vec<[u32; 3]> {
     }
     out
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::curve::cumulative;
+    use glam::DVec3;
+
+    fn snake(pose: Pose) -> Snake {
+        let length_in_diameters = pose.usual_length_in_diameters();
+        Snake { pose, length_in_diameters, section: 0.0, triangles: 20_000, tile_mm: [60.0, 90.0] }
+    }
+
+    #[test]
+    fn every_snake_is_closed_valid_and_rests_on_the_ground() {
+        for pose in Pose::ALL {
+            for section in [0.0, 1.0] {
+                let mesh = Snake { section, ..snake(pose) }.mesh().unwrap();
+                mesh.check().unwrap();
+                assert!(mesh.is_closed(), "{pose:?}");
+                assert_eq!(mesh.bounds()[0].y, 0.0);
+                assert!(mesh.triangles.len().abs_diff(20_000) < 200);
+                assert!(mesh.tangents.iter().all(|t| t.w == 1.0), "{pose:?} is mirrored");
+                let mut open = mesh.clone();
+                open.triangles.pop();
+                assert!(!open.is_closed());
+            }
+        }
+        let (around, rings) = grid(1 << 19, 10.0);
+        assert_eq!(2 * around * (rings - 1), 1 << 19);
+    }
+
+    #[test]
+    fn area_is_that_of_the_profile() {
+        // A straight body of round sections: int 2 pi r sqrt(1 + r'^2) ds, head apart, which is flat.
+        let snake = Snake { triangles: 100_000, ..snake(Pose::Straight) };
+        let mesh = snake.mesh().unwrap();
+        let length = f64::from(snake.length_in_diameters);
+        let profile = Profile::new(length);
+        let (from, to) = (4.0, 20.0);
+        let area: f64 = (0..10_000)
+            .map(|i| {
+                let (r, slope) = profile.at(from + (to - from) * (f64::from(i) + 0.5) / 10_000.0);
+                TAU * r[0] * (1.0 + slope[0] * slope[0]).sqrt() * (to - from) / 10_000.0
+            })
+            .sum();
+        // Triangles are counted by their middles: the edge of the part is ragged by less than a ring.
+        let snout = mesh.bounds()[0].x;
+        let part: f64 = mesh
+            .triangles
+            .iter()
+            .map(|t| t.map(|i| mesh.positions[i as usize].as_dvec3()))
+            .filter(|[a, b, c]| (from..to).contains(&((a.x + b.x + c.x) / 3.0 - f64::from(snout))))
+            .map(|[a, b, c]| 0.5 * (b - a).cross(c - a).length())
+            .sum();
+        assert!((part / area - 1.0).abs() < 4e-3, "{part} {area}");
+    }
+
+    #[test]
+    fn normals_are_those_of_the_triangles() {
+        for pose in [Pose::Straight, Pose::Coil] {
+            let mesh = Snake { triangles: 60_000, section: 0.5, ..snake(pose) }.mesh().unwrap();
+            let (mut sum, mut count, mut far) = (0.0, 0.0, 0.0);
+            for t in &mesh.triangles {
+                let [a, b, c] = t.map(|i| mesh.positions[i as usize]);
+                let face = (b - a).cross(c - a).normalize_or_zero();
+                let smooth = t.iter().map(|&i| mesh.normals[i as usize]).sum::<Vec3>().normalize();
+                sum += f64::from(face.dot(smooth));
+                count += 1.0;
+                far += f64::from(u8::from(face.dot(smooth) < 0.98));
+            }
+            // Only at the blunt tips are triangles coarse.
+            assert!(far / count < 0.01, "{pose:?}: {far} of {count}");
+            assert!(sum / count > 0.999, "{}", sum / count);
+        }
+    }
+
+    #[test]
+    fn parts_of_the_body_do_not_cut_into_each_other() {
+        for pose in Pose::ALL {
+            let snake = snake(pose);
+            let curve = snake.curve().unwrap();
+            let profile = Profile::new(f64::from(snake.length_in_diameters));
+            let count = 500;
+            let at: Vec<(f64, DVec3, [f64; 2])> = (0..=count)
+                .map(|i| {
+                    let s = curve.length() * f64::from(i) / f64::from(count);
+                    (s, curve.at(s).position, profile.at(s).0)
+                })
+                .collect();
+            let mut nearest = f64::INFINITY;
+            for (i, (s, p, a)) in at.iter().enumerate() {
+                for (t, q, b) in at[i..].iter().filter(|other| other.0 - s > 2.0) {
+                    // The head is flatter than it is wide: what counts lies between, by the direction.
+                    let lie = (*q - *p).normalize_or_zero().y.abs();
+                    let reach = |axes: &[f64; 2]| axes[0] + (axes[1] - axes[0]) * lie * lie;
+                    let gap = p.distance(*q) - reach(a) - reach(b);
+                    nearest = nearest.min(gap);
+                    assert!(gap > -0.03, "{pose:?}: {s} and {t} by {gap}");
+                }
+            }
+            // A coil and a loop do touch.
+            assert_eq!(nearest < 0.05, matches!(pose, Pose::Coil | Pose::Loop), "{pose:?} {nearest}");
+        }
+    }
+
+    #[test]
+    fn the_belly_faces_the_ground() {
+        for pose in Pose::ALL {
+            let curve = snake(pose).curve().unwrap();
+            for i in 0..=1000 {
+                let frame = curve.at(curve.length() * f64::from(i) / 1000.0);
+                let flat = (1.0 - frame.tangent.y * frame.tangent.y).sqrt();
+                assert!(frame.up.y > 0.8 * flat, "{pose:?} {i}: {}", frame.up);
+                if flat > 0.97 {
+                    assert!(frame.up.y > 0.866, "{pose:?} {i}: {}", frame.up);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn scales_keep_their_proportions() {
+        // On a straight body of round section: du x girth and dv of a quad in mm, beside its sides.
+        let snake = Snake { triangles: 60_000, ..snake(Pose::Straight) };
+        let (length, tile) = (f64::from(snake.length_in_diameters), snake.tile_mm.map(f64::from));
+        let (profile, section) = (Profile::new(length), Section::new(0.0));
+        let along = Along::new(&profile, &section, length, tile[0] / tile[1]);
+        for share in [0.2, 0.3, 0.5, 0.7, 0.9] {
+            let ((s0, v0), (s1, v1)) = (along.at(share), along.at(share + 1e-3));
+            let axes = DVec2::from(profile.at(0.5 * (s0 + s1)).0);
+            // A square of the texture, one mm by one mm, on the body: wide/long is 1.
+            let wide = section.girth(axes) / tile[0];
+            let long = (s1 - s0) / ((v1 - v0) * tile[1]);
+            assert!((wide / long - 1.0).abs() < 0.01, "{share}: {}", wide / long);
+        }
+        // Midbody has the tile's girth.
+        let girth_mm =
+            section.girth(DVec2::from(profile.at(0.5 * length).0)) * f64::from(snake.mm_per_unit());
+        assert!((girth_mm / tile[0] - 1.0).abs() < 1e-3, "{girth_mm}");
+        // Any section has the girth of the round one.
+        let loaf = Section::new(1.0);
+        assert!((loaf.girth(DVec2::ONE) / TAU - 1.0).abs() < 1e-9 && loaf.down < 0.85 && loaf.side < 1.2);
+    }
+
+    #[test]
+    fn a_circle_has_its_curvature_and_its_length() {
+        let radius = 2.0;
+        let points: Vec<DVec3> = (0..=300)
+            .map(|i| {
+                let a = 1.5 * PI * f64::from(i) / 300.0;
+                DVec3::new(radius * a.cos(), 0.0, radius * a.sin())
+            })
+            .collect();
+        let curve = Curve::through(&points, f64::INFINITY).unwrap();
+        assert!((curve.length() / (1.5 * PI * radius) - 1.0).abs() < 1e-4, "{}", curve.length());
+        assert!((cumulative(&points).last().unwrap() / curve.length() - 1.0).abs() < 1e-4);
+        for share in [0.1, 0.37, 0.5, 0.9] {
+            let f = curve.at(share * curve.length());
+            assert!((f.bend_right.abs() - 1.0 / radius).abs() < 2e-3, "{}", f.bend_right);
+            assert!(f.bend_up.abs() < 1e-9 && f.twist.abs() < 1e-9);
+            assert!((f.position.length() - radius).abs() < 1e-4);
+            assert!((f.up - DVec3::Y).length() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn a_vertical_curve_has_frames_that_do_not_flip() {
+        // Half a hoop that starts and ends flat and is vertical at both sides.
+        let points: Vec<DVec3> = (0..=300)
+            .map(|i| {
+                let a = PI * f64::from(i) / 150.0;
+                DVec3::new(2.0 * a.sin(), 2.0 - 2.0 * a.cos(), 0.2 * a)
+            })
+            .collect();
+        let curve = Curve::through(&points, f64::INFINITY).unwrap();
+        let frames: Vec<Frame> =
+            (0..=2000).map(|i| curve.at(curve.length() * f64::from(i) / 2000.0)).collect();
+        for pair in frames.windows(2) {
+            assert!(pair[0].up.is_finite() && pair[0].up.dot(pair[1].up) > 0.9);
+            assert!(pair[0].up.dot(pair[0].tangent).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn tangents_are_orthonormal_and_run_along_u() {
+        let mesh = snake(Pose::Serpentine).mesh().unwrap();
+        for (t, n) in mesh.tangents.iter().zip(&mesh.normals) {
+            assert!(t.truncate().dot(*n).abs() < 1e-5);
+        }
+        let mut along = 0;
+        for corners in &mesh.triangles {
+            let [a, b, c] = *corners;
+            let at = |i: u32| (mesh.positions[i as usize], mesh.uvs[i as usize]);
+            for ((p, u), (q, w)) in [(at(a), at(b)), (at(b), at(c)), (at(c), at(a))] {
+                if u.y == w.y && w.x > u.x && (0.1..0.9).contains(&u.x) {
+                    let t = mesh.tangents[a as usize].truncate();
+                    assert!((q - p).normalize_or_zero().dot(t) > 0.8 || (q - p).length() < 0.02);
+                    along += 1;
+                }
+            }
+        }
+        assert!(along > 1000);
+    }
+
+    #[test]
+    fn what_is_no_snake_is_refused() {
+        let good = snake(Pose::Straight);
+        let error = |snake: Snake| snake.mesh().unwrap_err();
+        assert!(matches!(error(Snake { length_in_diameters: f32::NAN, ..good }), SnakeError::Length(_)));
+        assert!(matches!(error(Snake { section: 1.1, ..good }), SnakeError::Section(_)));
+        assert_eq!(error(Snake { triangles: 10, ..good }), SnakeError::Triangles(10));
+        assert!(matches!(error(Snake { tile_mm: [0.0, 1.0], ..good }), SnakeError::Tile(..)));
+        assert!(Pose::ALL.iter().all(|&pose| Pose::from_name(pose.name()) == Some(pose)));
+    }
+}

@@ -19,7 +19,7 @@ pub enum TangentError {
     /// One vertex has too many triangles.
     #[error("{0} triangles meet in one vertex; tangents can be made for {MOST_AROUND_A_VERTEX}")]
     Fan(usize),
-    /// No triangle, or none that has an area.
+    /// No triangle, or none that has an extent, or one that is not finite.
     #[error("the mesh has no triangle to take a tangent from")]
     Empty,
 }
@@ -35,6 +35,14 @@ pub fn generate(mesh: &Mesh) -> Result<Mesh, TangentError> {
     for corner in mesh.triangles.iter().flatten() {
         let p = mesh.positions[*corner as usize];
         *around.entry(p.to_array().map(f32::to_bits)).or_insert(0usize) += 1;
+    }
+    // The algorithm sorts places into cells along the longest axis, which must have a length.
+    let places = || around.keys().map(|place| glam::Vec3::from(place.map(f32::from_bits)));
+    let (low, high) = places()
+        .fold((glam::Vec3::INFINITY, glam::Vec3::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)));
+    let extent = (high - low).max_element();
+    if !(extent > 0.0 && extent < f32::INFINITY) {
+        return Err(TangentError::Empty);
     }
     let most = around.into_values().max().ok_or(TangentError::Empty)?;
     if most > MOST_AROUND_A_VERTEX {
