@@ -56,8 +56,8 @@ pub(super) enum Verb {
     Nodes(Nodes),
     /// List the built-in presets.
     Presets(Presets),
-    /// Print the JSON Schema of presets, for editors that complete and check TOML.
-    Schema,
+    /// Print the JSON Schema of presets or scenes, for editors that complete and check TOML.
+    Schema(Schema),
     /// Compare texture sets with their manifest.
     Verify(Verify),
     /// Compute what a thin film reflects: one film, or the rows of a table.
@@ -139,6 +139,14 @@ pub(super) struct Set {
     /// Another value for a key of the preset, such as pattern.size=0.3; may be given many times.
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub(super) settings: Vec<String>,
+}
+
+/// `schema`
+#[derive(Debug, Args)]
+pub(super) struct Schema {
+    /// The schema of scenes in place of that of presets.
+    #[arg(long)]
+    pub(super) scene: bool,
 }
 
 /// `graph`

@@ -52,7 +52,7 @@ fn dispatch(verb: &Verb) -> Result<Exit, Failure> {
         Verb::Check(args) => check::run(args),
         Verb::Graph(args) => graph::run(args),
         Verb::Nodes(args) => nodes::run(args),
-        Verb::Schema => schema::run(),
+        Verb::Schema(args) => schema::run(args),
         Verb::Presets(args) => presets::run(args),
         Verb::Verify(args) => verify::run(args),
         Verb::Film(args) => film::run(args),

@@ -90,7 +90,9 @@ impl Problem {
                 "check the permissions of the directory and whether its file system is mounted read-only"
             }
             Self::DiskFull => "free some space, write fewer maps, or choose another directory",
-            Self::Format { .. } => "images are read as PNG or OpenEXR, by content, not by extension",
+            Self::Format { .. } => {
+                "images are read as PNG, OpenEXR or Radiance HDR, by content, not by extension"
+            }
             Self::TooLarge { .. } => "scale the image down",
             Self::Unencodable { .. } => "choose a smaller size",
             Self::ReadBack(_) => {

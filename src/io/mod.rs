@@ -5,7 +5,7 @@
 //! | [`write_set`], [`SetWriter`] | a set into a directory, at once or map by map |
 //! | [`WriteOptions`], [`NameTemplate`] | which files, how named, how encoded, whether read back |
 //! | [`Manifest`], [`verify_dir`] | what a directory holds, and whether it still does |
-//! | [`read_image`], [`load_assets`] | PNG and OpenEXR files as inputs of a graph |
+//! | [`read_image`], [`load_assets`] | PNG, OpenEXR and Radiance HDR files as inputs |
 //! | [`write_text`] | a text file, whole or not at all |
 //! | [`IoError`] | a path and what is wrong with it |
 //!
@@ -14,6 +14,7 @@
 mod atomic;
 mod error;
 mod exr;
+mod hdr;
 mod manifest;
 mod names;
 mod png;

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use ::exr::prelude::{FlatSamples, ReadChannels as _, ReadLayers as _};
 use ::png::{BitDepth, ColorType, Limits, Transformations};
 
-use super::{IoError, Problem};
+use super::{IoError, Problem, hdr};
 use crate::base::Plane;
 use crate::node::{Asset, Assets};
 
@@ -19,14 +19,14 @@ pub const MAX_SAMPLES: u64 = 1 << 28;
 const PNG_MAGIC: [u8; 8] = *b"\x89PNG\r\n\x1a\n";
 const EXR_MAGIC: [u8; 4] = [0x76, 0x2f, 0x31, 0x01];
 
-/// Read a PNG or OpenEXR file, told apart by content.
+/// Read a PNG, OpenEXR or Radiance HDR file, told apart by content.
 ///
 /// Values as stored: integers divided by the greatest of their depth, so [0, 1]; floats as they are. Palettes and
 /// depths below 8 bits are expanded; no transfer function is undone; PNG's alpha is straight, EXR's premultiplied.
 /// Of an OpenEXR file the first layer is read: `R G B`, else `X Y Z`, else `Y`, else its only channel; `A` is alpha.
 ///
 /// # Errors
-/// If the file cannot be read, is neither format, is damaged, or has more than [`MAX_SAMPLES`].
+/// If the file cannot be read, is none of these formats, is damaged, or has more than [`MAX_SAMPLES`].
 pub fn read_image(path: &Path) -> Result<Asset, IoError> {
     open(path).map_err(|problem| problem.at(path))
 }
@@ -62,12 +62,15 @@ fn open(path: &Path) -> Result<Asset, Problem> {
         read_png(file)
     } else if magic.starts_with(&EXR_MAGIC) {
         read_exr(file)
+    } else if hdr::MAGIC.iter().any(|start| magic.starts_with(start)) {
+        hdr::read(file)
     } else {
-        Err(Problem::Format { format: "PNG or OpenEXR", message: "it starts like neither".into() })
+        let format = "PNG, OpenEXR or Radiance HDR";
+        Err(Problem::Format { format, message: "it starts like none of them".into() })
     }
 }
 
-fn limit(width: u64, height: u64, channels: u64) -> Result<(), Problem> {
+pub(super) fn limit(width: u64, height: u64, channels: u64) -> Result<(), Problem> {
     let samples = width.checked_mul(height).and_then(|n| n.checked_mul(channels));
     if samples.is_none_or(|n| n > MAX_SAMPLES) {
         return Err(Problem::TooLarge { width, height, channels, limit: MAX_SAMPLES });

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use glam::Vec3;
 
-use crate::base::{LinearRgb, num};
+use crate::base::{LinearRgb, Plane, num};
 
 /// Radiance from every direction, relative to D65.
 #[derive(Clone, Debug, PartialEq)]
@@ -42,6 +42,9 @@ pub enum EnvironmentError {
         /// Texels.
         texels: usize,
     },
+    /// It has neither one plane nor three of equal size.
+    #[error("an environment has red, green and blue planes of one size, or one grey one")]
+    Planes,
     /// A texel is negative, infinite or NaN.
     #[error("texel {x}, {y} of the environment is ({}, {}, {}): radiance is finite and not negative", .texel[0], .texel[1], .texel[2])]
     Texel {
@@ -94,6 +97,25 @@ impl EnvironmentImage {
             return Err(EnvironmentError::Texel { x: i % width, y: i / width, texel: texels[i] });
         }
         Ok(Self { width, height, texels })
+    }
+
+    /// A picture from planes, as an image file is read: red, green and blue, or one for all. Radiance is linear: pictures
+    /// that were encoded for screens are to be decoded before.
+    ///
+    /// # Errors
+    /// Unless there are one or three planes of equal size, and every texel is finite and not negative.
+    pub fn from_planes(planes: &[Plane]) -> Result<Self, EnvironmentError> {
+        let (r, g, b) = match planes {
+            [r, g, b] => (r, g, b),
+            [gray] => (gray, gray, gray),
+            _ => return Err(EnvironmentError::Planes),
+        };
+        let (width, height) = (r.width(), r.height());
+        if [g, b].iter().any(|p| (p.width(), p.height()) != (width, height)) {
+            return Err(EnvironmentError::Planes);
+        }
+        let texels = r.data().iter().zip(g.data()).zip(b.data());
+        Self::new(width, height, texels.map(|((r, g), b)| [*r, *g, *b]).collect())
     }
 
     /// The picture of a function of the direction; what is negative or not finite becomes 0.
@@ -471,6 +493,12 @@ mod tests {
             let error =
                 EnvironmentImage::new(2, 1, vec![[0.0; 3], [1.0, bad, 0.0]]).expect_err("no radiance");
             assert!(error.to_string().starts_with("texel 1, 0 of the environment"), "{error}");
+        }
+        let plane = |value: f32, width| Plane::filled(width, 1, value);
+        let image = EnvironmentImage::from_planes(&[plane(0.1, 2), plane(0.2, 2), plane(0.3, 2)]);
+        assert_eq!(image.map(|i| i.texels), Ok(vec![[0.1, 0.2, 0.3]; 2]));
+        for bad in [vec![], vec![plane(0.1, 2); 2], vec![plane(0.1, 2), plane(0.1, 3), plane(0.1, 2)]] {
+            assert_eq!(EnvironmentImage::from_planes(&bad), Err(EnvironmentError::Planes));
         }
         let black = EnvironmentImage::from_fn(4, 2, |_| LinearRgb([f32::NAN, -1.0, f32::INFINITY]));
         assert!(EnvironmentSampler::new(&Environment::Image(Arc::new(black))).is_none());
