@@ -2,6 +2,7 @@
 
 use super::film_color::FilmColor;
 use super::real::Real;
+use super::spectrum;
 use super::thin_film::{Film, WAVELENGTH_RANGE_NM};
 
 /// What the film does to each of N bands.
@@ -18,6 +19,9 @@ pub trait Bands<F: Real, const N: usize> {
         self.reflectance(film, cosine).map(|r| F::ONE - r)
     }
 
+    /// A quantity that is given for red, green and blue, in each band; linear in it.
+    fn from_rgb(&self, rgb: [F; 3]) -> [F; N];
+
     /// Thickness in fringes at normal incidence, `2 n1 d/lambda`, for each band: the axis of the tables.
     fn fringes(&self, film: &Film<F>) -> [F; N];
 }
@@ -33,6 +37,11 @@ impl<F: Real> Bands<F, 3> for FilmColor<F> {
     #[inline]
     fn reflectance(&self, film: &Film<F>, cosine: F) -> [F; 3] {
         self.color(film, cosine).map(F::saturate)
+    }
+
+    #[inline(always)]
+    fn from_rgb(&self, rgb: [F; 3]) -> [F; 3] {
+        rgb
     }
 
     #[inline]
@@ -52,6 +61,8 @@ fn fringes<F: Real>(film: &Film<F>, inverse: F) -> F {
 pub struct Spectral<F, const N: usize> {
     wavelengths_nm: [F; N],
     inverse: [F; N],
+    /// Spectra of red, green and blue.
+    basis: [[F; 3]; N],
 }
 
 impl<F: Real, const N: usize> Spectral<F, N> {
@@ -59,7 +70,8 @@ impl<F: Real, const N: usize> Spectral<F, N> {
     pub fn new(wavelengths_nm: [F; N]) -> Self {
         let (lo, hi) = WAVELENGTH_RANGE_NM;
         let wavelengths_nm = wavelengths_nm.map(|l| l.max(F::from_f64(lo)).min(F::from_f64(hi)));
-        Self { wavelengths_nm, inverse: wavelengths_nm.map(|l| F::ONE / l) }
+        let basis = |l: F| spectrum::basis(l.to_f64() as f32).map(|b| F::from_f64(f64::from(b)));
+        Self { wavelengths_nm, inverse: wavelengths_nm.map(|l| F::ONE / l), basis: wavelengths_nm.map(basis) }
     }
 
     /// The wavelengths, nm.
@@ -81,6 +93,11 @@ impl<F: Real, const N: usize> Bands<F, N> for Spectral<F, N> {
     fn transmittance(&self, film: &Film<F>, cosine: F) -> [F; N] {
         let incidence = film.incidence(cosine);
         incidence.unpolarised::<N, false>(film.thickness_nm(), &self.wavelengths_nm, &self.inverse)
+    }
+
+    #[inline(always)]
+    fn from_rgb(&self, rgb: [F; 3]) -> [F; N] {
+        self.basis.map(|b| b[0] * rgb[0] + b[1] * rgb[1] + b[2] * rgb[2])
     }
 
     #[inline]

@@ -82,17 +82,33 @@ pub struct Node {
 pub fn nodes() -> &'static [Node] {
     static NODES: OnceLock<Vec<Node>> = OnceLock::new();
     NODES.get_or_init(|| {
-        let mut nodes: Vec<Node> = (0..rows().len() - 1)
-            .flat_map(|i| GAUSS.map(|(t, w)| (FIRST_NM + i as f64 + t, w)))
-            .map(|(wavelength_nm, w)| Node {
-                wavelength_nm,
-                rgb: to_srgb(weighted_observer(wavelength_nm)).map(|c| c * w),
-            })
-            .collect();
-        let white = sum(&nodes);
+        let mut nodes = unscaled_nodes();
+        let white = white();
         nodes.iter_mut().for_each(|n| n.rgb = std::array::from_fn(|c| n.rgb[c] / white[c]));
         nodes
     })
+}
+
+fn unscaled_nodes() -> Vec<Node> {
+    (0..rows().len() - 1)
+        .flat_map(|i| GAUSS.map(|(t, w)| (FIRST_NM + i as f64 + t, w)))
+        .map(|(wavelength_nm, w)| Node {
+            wavelength_nm,
+            rgb: to_srgb(weighted_observer(wavelength_nm)).map(|c| c * w),
+        })
+        .collect()
+}
+
+/// What a perfect reflector gives, before channels are divided by it.
+fn white() -> [f64; 3] {
+    static WHITE: OnceLock<[f64; 3]> = OnceLock::new();
+    *WHITE.get_or_init(|| sum(&unscaled_nodes()))
+}
+
+/// The weight `W_c(lambda)` of [`nodes`], 1/nm, at any wavelength, nm; 0 outside the data.
+pub fn weight(wavelength_nm: f64) -> [f64; 3] {
+    let (rgb, white) = (to_srgb(weighted_observer(wavelength_nm)), white());
+    std::array::from_fn(|c| rgb[c] / white[c])
 }
 
 fn sum(nodes: &[Node]) -> [f64; 3] {

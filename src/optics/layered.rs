@@ -18,6 +18,7 @@ use std::sync::OnceLock;
 
 use super::absorption::cosine_in_layer;
 use super::bands::Bands;
+use super::base_layer::Base;
 use super::energy::{Row, Table};
 use super::ggx;
 use super::real::Real;
@@ -41,6 +42,8 @@ pub struct Constants {
     pub albedo: Albedo,
     /// How the light that is not reflected is shared out.
     pub energy: Energy,
+    /// What is below the layers.
+    pub base: Base,
 }
 
 impl Default for Constants {
@@ -51,6 +54,7 @@ impl Default for Constants {
             absorption: [0.0; 3],
             albedo: Albedo::Apparent,
             energy: Energy::Flat,
+            base: Base::Lambert,
         }
     }
 }
@@ -274,10 +278,10 @@ pub struct View<'a, F, B, const N: usize> {
 /// A direction that light may come from.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample<F, const N: usize> {
-    /// Where the light comes from: unit, above the surface.
+    /// Where the light comes from: unit, above the surface unless the [`Base`] wraps.
     pub wi: [F; 3],
     /// BRDF without the cosine, 1/sr. For a mirror the factor of its delta function over the cosine: in both cases
-    /// `f wi.z/pdf` is what a path is multiplied by.
+    /// `f |wi.z|/pdf` is what a path is multiplied by.
     pub f: [F; N],
     /// Density, 1/sr; for a mirror the probability of this lobe.
     pub pdf: F,
@@ -287,15 +291,15 @@ pub struct Sample<F, const N: usize> {
 
 impl<F: Real, B: Bands<F, N>, const N: usize> View<'_, F, B, N> {
     /// BRDF without the cosine, 1/sr, and the density of [`View::sample`]; both without a mirror's part. 0 below the
-    /// horizon. Never negative; no NaN for unit vectors.
+    /// horizon, but for a [`Base`] that wraps: there, too, light is `f |wi.z|`. Never negative; no NaN for unit vectors.
     #[inline]
     pub fn eval_pdf(&self, wi: [F; 3]) -> ([F; N], F) {
         let (mut f, mut pdf) = ([F::ZERO; N], F::ZERO);
         let (nl, nv) = (wi[2], self.wo[2]);
-        if !(nl > F::ZERO && nv > F::ZERO) {
+        if !(nv > F::ZERO && (nl > F::ZERO || self.wraps())) {
             return (f, pdf);
         }
-        if self.specular && self.mirror.is_none() {
+        if self.specular && self.mirror.is_none() && nl > F::ZERO {
             // With less f32 would overflow, and have no half vector.
             let grazing = F::from_f64(1e-7);
             let (nl, nv) = (nl.max(grazing), nv.max(grazing));
@@ -316,9 +320,20 @@ impl<F: Real, B: Bands<F, N>, const N: usize> View<'_, F, B, N> {
             for i in 0..N {
                 f[i] += base[i];
             }
-            pdf += (F::ONE - self.chance) * nl * F::from_f64(FRAC_1_PI);
+            let density = if self.wraps() {
+                (F::ONE + nl) * F::from_f64(0.25 * FRAC_1_PI)
+            } else {
+                nl * F::from_f64(FRAC_1_PI)
+            };
+            pdf += (F::ONE - self.chance) * density;
         }
         (f, pdf)
+    }
+
+    /// Whether light from below the horizon counts.
+    #[inline(always)]
+    fn wraps(&self) -> bool {
+        self.layers.constants.base.wraps() && self.diffuse.as_ref().is_some_and(|d| !d.matt)
     }
 
     /// BRDF without the cosine, 1/sr; a mirror's part is not in it.
@@ -347,10 +362,11 @@ impl<F: Real, B: Bands<F, N>, const N: usize> View<'_, F, B, N> {
             std::array::from_fn(|i| twice * half[i] - wo[i])
         } else {
             self.diffuse.as_ref()?;
-            cosine_hemisphere([random[1], random[2]])
+            let random = [random[1], random[2]];
+            if self.wraps() { wrapped_sphere(random) } else { cosine_hemisphere(random) }
         };
         let (f, pdf) = self.eval_pdf(wi);
-        (pdf > F::ZERO && wi[2] > F::ZERO).then_some(Sample { wi, f, pdf, delta: false })
+        (pdf > F::ZERO && wi[2] != F::ZERO).then_some(Sample { wi, f, pdf, delta: false })
     }
 
     /// Part of the base.
@@ -360,15 +376,25 @@ impl<F: Real, B: Bands<F, N>, const N: usize> View<'_, F, B, N> {
         if diffuse.matt {
             return f;
         }
+        // Wrapped forms are of light times cosine; the cosine is divided out here, and comes back with the light.
+        let wraps = self.layers.constants.base.wraps();
+        let entering = if wraps { (F::ONE + nl) * F::from_f64(0.5) } else { nl };
         let through = match &diffuse.row {
-            Some(row) => self.layers.table(B::RGB).transmittance(row, nl),
-            None => self.bands.transmittance(&self.film, nl),
+            Some(row) => self.layers.table(B::RGB).transmittance(row, entering),
+            None => self.bands.transmittance(&self.film, entering),
         };
         for i in 0..N {
             f[i] = f[i] * through[i];
         }
+        if wraps {
+            let least = F::from_f64(1e-7);
+            let weight = self.bands.from_rgb(self.layers.constants.base.weight(nl));
+            for i in 0..N {
+                f[i] = f[i] * weight[i].max(F::ZERO) / nl.abs().max(least);
+            }
+        }
         if let Some((tau, out)) = &diffuse.tau {
-            let way = F::ONE / self.layers.layer_cosine(nl) + *out;
+            let way = F::ONE / self.layers.layer_cosine(entering) + *out;
             for i in 0..N {
                 f[i] = f[i] * (tau[i] * way).decay();
             }
@@ -413,6 +439,16 @@ pub fn sample<F: Real, B: Bands<F, N>, const N: usize>(
 #[inline(always)]
 fn dot<F: Real>(a: [F; 3], b: [F; 3]) -> F {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// A direction with density `(1 + z)/(4 pi)`: `(1 + z)^2/4` is even in [0, 1).
+fn wrapped_sphere<F: Real>(random: [F; 2]) -> [F; 3] {
+    let root = random[0].safe_sqrt();
+    let z = root + root - F::ONE;
+    let radius = ((F::ONE - z) * (F::ONE + z)).safe_sqrt();
+    let (sin, cos) = (random[1] - F::from_f64(0.5)).sin_cos_half_turns();
+    let (sin, cos) = (sin * cos * F::from_f64(2.0), (cos - sin) * (cos + sin));
+    [radius * cos, radius * sin, z]
 }
 
 /// A direction with density `cos/pi`: a point of the disc, lifted (Malley's method).

@@ -11,6 +11,8 @@
 //! | [`absorption`] | the pigment layer below the film: Beer-Lambert |
 //! | [`ggx`] | microfacets: GGX, height-correlated Smith masking, visible normals |
 //! | [`Bands`], [`Spectral`] | what a BRDF is computed in: red, green, blue, or N wavelengths |
+//! | [`Base`] | the base below: Lambert, and wrapped forms of the same energy |
+//! | [`spectrum`], [`Wavelengths`] | spectra of RGB colours; wavelengths for a path |
 //! | [`energy`] | what a rough film reflects and keeps inside: exact, and the tables of shading |
 //! | [`layered`], [`Layers`], [`View`] | the BRDF of all layers: evaluate, sample, density |
 //!
@@ -37,6 +39,7 @@
 
 pub mod absorption;
 pub mod bands;
+pub mod base_layer;
 pub mod cie;
 pub mod energy;
 pub mod film_color;
@@ -45,6 +48,7 @@ pub mod ggx;
 pub mod layered;
 mod quadrature;
 mod real;
+pub mod spectrum;
 pub mod thin_film;
 pub mod transform;
 
@@ -52,9 +56,11 @@ pub mod transform;
 mod tests;
 
 pub use bands::{Bands, Spectral};
+pub use base_layer::Base;
 pub use film_color::{FilmColor, Method};
 pub use fresnel::Polarised;
 pub use layered::{Layers, Parts, Point, Sample, View};
 pub use real::Real;
+pub use spectrum::Wavelengths;
 pub use thin_film::{Film, FilmError, Power};
 pub use transform::Transform;

@@ -3,6 +3,7 @@
 use super::*;
 use crate::base::hash;
 use crate::optics::bands::Spectral;
+use crate::optics::base_layer::Tint;
 use crate::optics::film_color::{FilmColor, Method};
 use crate::optics::{energy, quadrature::gauss_legendre};
 
@@ -212,6 +213,33 @@ fn weights_of_samples_average_to_the_furnace() {
 }
 
 #[test]
+fn a_wrapped_base_returns_what_lamberts_does() {
+    // Without an interface, where T = 1, over the whole sphere: f |cos| integrates to the albedo; by samples, too.
+    let bases = [
+        Base::HalfLambert { blood: [0.6, 0.0, 0.0], tint: Tint::FromNormal },
+        Base::HalfLambert { blood: [0.6, 0.1, 0.0], tint: Tint::FromHorizon },
+        Base::Curved { curvature_per_mm: 0.3 },
+    ];
+    let bands = FilmColor::<f64>::new(Method::Series(3));
+    for base in bases {
+        let layers = Layers::<f64>::new(&Constants { indices: [1.3; 3], base, ..Constants::default() });
+        let layers = layers.expect("a material");
+        let albedo = [0.2, 0.5, 0.9];
+        let point = Point { thickness_nm: 0.0, roughness: 0.3, albedo, absorption: [0.0; 3] };
+        let view = layers.view(&bands, &point, direction(0.6, 0.0), Parts::All);
+        let (mut sampled, n) = ([0.0; 3], 200);
+        for i in 0..n * n {
+            let at = |k: i32| (f64::from(k) + 0.5) / f64::from(n);
+            let s = view.sample([0.5, at(i / n), at(i % n)]).expect("a direction");
+            (0..3).for_each(|c| sampled[c] += s.f[c] * s.wi[2].abs() / s.pdf / f64::from(n * n));
+        }
+        for c in 0..3 {
+            assert!((sampled[c] - albedo[c]).abs() < 3e-3 * albedo[c], "{base:?} {sampled:?}");
+        }
+    }
+}
+
+#[test]
 fn parts_that_are_not_there_are_not_sampled() {
     let bands = Spectral::new([550.0f32; 4]);
     let up = [0.6, 0.0, 0.8];
@@ -283,8 +311,13 @@ fn sweep<B: Bands<f32, N>, const N: usize>(bands: &B, constants: &Constants, cou
         good(f, pdf);
         if let Some(s) = view.sample(random) {
             good(s.f, s.pdf);
-            assert!(s.wi[2] > 0.0 && s.pdf > 0.0 && (dot(s.wi, s.wi) - 1.0).abs() < 1e-5, "{point:?} {s:?}");
-            let weight = s.f[0] * s.wi[2] / s.pdf;
+            assert!(
+                (s.wi[2] > 0.0 || constants.base.wraps())
+                    && s.pdf > 0.0
+                    && (dot(s.wi, s.wi) - 1.0).abs() < 1e-5,
+                "{point:?} {s:?}"
+            );
+            let weight = s.f[0] * s.wi[2].abs() / s.pdf;
             // Films like laser mirrors have resonances finer than the tables.
             let most = if constants.indices[1] > 5.0 { 1e6 } else { 50.0 };
             assert!(weight.is_finite() && weight < most, "{constants:?} {point:?} {wo:?} {parts:?} {s:?}");
@@ -299,6 +332,10 @@ fn nothing_but_numbers_in_f32() {
     for constants in materials() {
         sweep(&spectral, &constants, 20_000);
         sweep(&colors, &constants, 5_000);
+    }
+    let curved = Base::Curved { curvature_per_mm: 0.5 };
+    for base in [Base::HalfLambert { blood: [0.6, 0.0, 0.0], tint: Tint::FromNormal }, curved] {
+        sweep(&spectral, &Constants { base, ..Constants::default() }, 20_000);
     }
     for indices in [[1.0, 1.55, 1.55], [2.0, 2.2, 1.0], [0.1, 10.0, 0.1], [1.0, 1.0 + 1e-6, 1.0], [1.3; 3]] {
         sweep(&spectral, &Constants { indices, energy: Energy::Coupled, ..Constants::default() }, 20_000);
