@@ -393,6 +393,7 @@ impl MaterialSpec {
                 EnergySpec::Flat => Energy::Flat,
                 EnergySpec::Coupled => Energy::Coupled,
             },
+            ..Constants::default()
         }
     }
 }
