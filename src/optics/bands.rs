@@ -20,7 +20,7 @@ pub trait Bands<F: Real, const N: usize> {
     }
 
     /// A quantity that is given for red, green and blue, in each band; linear in it.
-    fn from_rgb(&self, rgb: [F; 3]) -> [F; N];
+    fn upsample(&self, rgb: [F; 3]) -> [F; N];
 
     /// Thickness in fringes at normal incidence, `2 n1 d/lambda`, for each band: the axis of the tables.
     fn fringes(&self, film: &Film<F>) -> [F; N];
@@ -40,7 +40,7 @@ impl<F: Real> Bands<F, 3> for FilmColor<F> {
     }
 
     #[inline(always)]
-    fn from_rgb(&self, rgb: [F; 3]) -> [F; 3] {
+    fn upsample(&self, rgb: [F; 3]) -> [F; 3] {
         rgb
     }
 
@@ -96,7 +96,7 @@ impl<F: Real, const N: usize> Bands<F, N> for Spectral<F, N> {
     }
 
     #[inline(always)]
-    fn from_rgb(&self, rgb: [F; 3]) -> [F; N] {
+    fn upsample(&self, rgb: [F; 3]) -> [F; N] {
         self.basis.map(|b| b[0] * rgb[0] + b[1] * rgb[1] + b[2] * rgb[2])
     }
 

@@ -145,7 +145,7 @@ impl<F: Real> Layers<F> {
     ) -> View<'a, F, B, N> {
         let film = self.film.with_thickness(point.thickness_nm);
         let nv = wo[2].saturate();
-        let mirror = !(point.roughness >= F::from_f64(LEAST_ROUGHNESS));
+        let mirror = point.roughness.max(F::ZERO) < F::from_f64(LEAST_ROUGHNESS);
         let alpha = if mirror { F::ZERO } else { ggx::alpha(point.roughness) };
         let [n0, n1, n2] = film.indices();
         let interface = n0 != n2 || (n1 != n0 && film.thickness_nm() > F::ZERO);
@@ -388,7 +388,7 @@ impl<F: Real, B: Bands<F, N>, const N: usize> View<'_, F, B, N> {
         }
         if wraps {
             let least = F::from_f64(1e-7);
-            let weight = self.bands.from_rgb(self.layers.constants.base.weight(nl));
+            let weight = self.bands.upsample(self.layers.constants.base.weight(nl));
             for i in 0..N {
                 f[i] = f[i] * weight[i].max(F::ZERO) / nl.abs().max(least);
             }
