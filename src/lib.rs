@@ -61,6 +61,7 @@
 //! | [`maps`] | the texture set, and its values as integers | `base` `eval` |
 //! | `io` | files: PNG, OpenEXR, manifest, all or nothing (feature `files`) | `base` `node` `maps` |
 //! | `scene` | what renderers see: meshes, materials, lights, cameras (feature `render`) | `base` `optics` `preset` `maps` |
+//! | `report` | what every shortcut costs: errors against times, as a page (feature `render`) | `optics` |
 //! | `cli` | the command (feature `cli`); imported by nothing | all of them |
 //!
 //! Files, environment and threads are touched in `io` and `cli` only, a clock in `eval::trace` as well.
@@ -95,6 +96,8 @@ pub mod node;
 pub mod optics;
 pub mod plan;
 pub mod preset;
+#[cfg(feature = "render")]
+pub mod report;
 #[cfg(feature = "render")]
 pub mod scene;
 pub mod skin;

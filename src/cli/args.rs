@@ -62,6 +62,8 @@ pub(super) enum Verb {
     Verify(Verify),
     /// Compute what a thin film reflects: one film, or the rows of a table.
     Film(Film),
+    /// Measure what every shortcut costs: error against time, as a page, CSV and JSON.
+    Report(Report),
     /// Print a script that completes commands in a shell.
     Completions(Completions),
 }
@@ -230,7 +232,7 @@ pub(super) struct Film {
     #[arg(long, default_value_t = 2.0)]
     pub(super) n2: f64,
     /// Thickness of the film, nm; 0 is a plain interface.
-    #[arg(long, value_name = "NM", required_unless_present = "csv")]
+    #[arg(long, value_name = "NM", required_unless_present_any = ["csv", "plot", "furnace"])]
     pub(super) thickness_nm: Option<f64>,
     /// Angle of incidence from the normal, degrees, 0 to 90.
     #[arg(long, value_name = "DEG", default_value_t = 0.0)]
@@ -245,22 +247,54 @@ pub(super) struct Film {
     /// columns R, T or lin_r, lin_g, lin_b are told.
     #[arg(long, value_name = "FILE", conflicts_with_all = ["n0", "n1", "n2", "thickness_nm", "angle_deg", "lambda_nm", "color"])]
     pub(super) csv: Option<PathBuf>,
-    /// File of the results of --csv; standard output unless set.
-    #[arg(short, long, value_name = "FILE", requires = "csv")]
+    /// Compute the furnace of a whole skin for the rows of a table, what comes back of light from everywhere: columns n0,
+    /// n1, n2, d_nm, lambda_nm, roughness, kd, tau, cos_o.
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["csv", "plot", "n0", "n1", "n2", "thickness_nm", "angle_deg", "lambda_nm", "color", "method", "precision"])]
+    pub(super) furnace: Option<PathBuf>,
+    /// File of the rows of --csv or --furnace; standard output unless set.
+    #[arg(short, long, value_name = "FILE")]
     pub(super) output: Option<PathBuf>,
-    /// End with code 1 if any result of --csv differs by more than this from the expected one.
-    #[arg(long, value_name = "ERROR", requires = "csv")]
+    /// End with code 1 if any result of --csv or --furnace differs by more than this from the expected one.
+    #[arg(long, value_name = "ERROR")]
     pub(super) tolerance: Option<f64>,
     /// How colours are computed: reference, series-K (K terms), uniform-N (N wavelengths), three (as in the thesis),
     /// three-best, belcour-gltf (as viewers do), belcour, belcour-white, lut-N or lut-NxM (cosines and thicknesses).
     #[arg(long)]
     pub(super) method: Option<Method>,
+    /// Draw the colour against thickness and angle into this SVG file; the curves are at --angle-deg.
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["csv", "lambda_nm"])]
+    pub(super) plot: Option<PathBuf>,
     /// Numbers that are computed with.
     #[arg(long, value_enum, default_value = "f64")]
     pub(super) precision: Precision,
-    /// Print JSON: the result, or the differences of --csv.
+    /// Print JSON: the result, or an object for each row of a table; its differences where -o has the rows.
     #[arg(long)]
     pub(super) json: bool,
+}
+
+/// `report`
+#[derive(Debug, Args)]
+#[command(after_help = Exit::TABLE)]
+pub(super) struct Report {
+    /// What is reported on.
+    #[arg(value_enum, default_value = "optics")]
+    pub(super) kind: ReportKind,
+    /// Directory of the files; it is made if need be.
+    #[arg(short, long, value_name = "DIR", default_value = "report")]
+    pub(super) output: PathBuf,
+    /// Seconds instead of minutes: fewer films and random cases.
+    #[arg(long)]
+    pub(super) quick: bool,
+    /// Print all numbers as JSON on standard output.
+    #[arg(long)]
+    pub(super) json: bool,
+}
+
+/// What is reported on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum ReportKind {
+    /// Light on skin: films, methods, extreme cases.
+    Optics,
 }
 
 /// Numbers that are computed with.

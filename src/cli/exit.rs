@@ -12,7 +12,7 @@ use crate::preset::PresetError;
 pub enum Exit {
     /// Done.
     Done = 0,
-    /// Done, and something differs: `verify` found changed or missing files, `film` more than `--tolerance`.
+    /// Done, and something differs: `verify` found changed or missing files, `film` more than `--tolerance`, a case of `report` failed.
     Differs = 1,
     /// The arguments or a preset cannot be used; nothing was written.
     Bad = 2,
@@ -28,7 +28,7 @@ impl Exit {
     /// Every code with its meaning, for `--help`.
     pub(super) const TABLE: &str = "Exit codes:
   0    done
-  1    done, and something differs (verify, film)
+  1    done, and something differs (verify, film, report)
   2    the arguments or a preset cannot be used; nothing was written
   3    a file or directory cannot be read or written
   4    more memory is needed than --memory allows; nothing was written

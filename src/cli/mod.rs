@@ -5,8 +5,10 @@
 mod args;
 mod check;
 mod completions;
+mod csv;
 mod exit;
 mod film;
+mod furnace;
 mod generate;
 mod graph;
 mod load;
@@ -15,6 +17,7 @@ mod nodes;
 mod presets;
 mod progress;
 mod render;
+mod report;
 mod schema;
 mod signal;
 mod verify;
@@ -56,6 +59,7 @@ fn dispatch(verb: &Verb) -> Result<Exit, Failure> {
         Verb::Presets(args) => presets::run(args),
         Verb::Verify(args) => verify::run(args),
         Verb::Film(args) => film::run(args),
+        Verb::Report(args) => report::run(args),
         Verb::Completions(args) => completions::run(args),
     }
 }

@@ -5,6 +5,7 @@ use std::path::Path;
 use super::cli::ophidian;
 
 const ORACLE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/reference/oracle_dev.csv");
+const FURNACE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/reference/furnace_dev.csv");
 const COLORS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/reference/colour_dev.csv");
 
 /// Exit code, standard output, standard error.
@@ -78,6 +79,82 @@ fn a_film_5_percent_thicker_fails() {
     std::fs::write(&path, text.lines().map(thicker).collect::<String>()).expect("written");
     let (code, _, err) = film(&["--csv", path.to_str().expect("UTF-8"), "--tolerance", "2e-5"]);
     assert_eq!(code, Some(1), "{err}");
+}
+
+#[test]
+fn rows_are_json_objects_where_they_have_standard_output() {
+    let (code, out, err) = film(&["--csv", COLORS, "--json", "--method", "belcour"]);
+    assert_eq!((code, out.lines().count()), (Some(0), 400));
+    let first: serde_json::Value = serde_json::from_str(out.lines().next().expect("a row")).expect("JSON");
+    assert!(first["n1"] == 1.55 && first["lin_r"].is_f64() && first["lin_b_error"].is_f64(), "{first}");
+    let report: serde_json::Value = serde_json::from_str(&err).expect("JSON");
+    assert!(report["rows"] == 400 && report["method"] == "belcour", "{report}");
+}
+
+#[test]
+fn every_method_is_as_far_off_as_it_should_be() {
+    let rms = |method: &str| {
+        let (_, _, err) = film(&["--csv", COLORS, "--json", "--method", method]);
+        let report: serde_json::Value = serde_json::from_str(&err).expect("JSON");
+        report["rms_error"].as_f64().expect("a number")
+    };
+    let errors = ["three-best", "belcour-gltf", "belcour", "belcour-white", "series-3"].map(rms);
+    assert!(errors.windows(2).all(|e| e[1] < e[0]), "{errors:?}");
+    // A table of colours is made for the film, whatever its indices.
+    let table = json(&["--thickness-nm", "400", "--n2", "1.4", "--method", "lut-256"]);
+    let truth = json(&["--thickness-nm", "400", "--n2", "1.4"]);
+    let apart = |c: usize| {
+        table["linear_srgb"][c].as_f64().expect("a number")
+            - truth["linear_srgb"][c].as_f64().expect("a number")
+    };
+    assert!(apart(0) != 0.0 && (0..3).all(|c| apart(c).abs() < 5e-3));
+}
+
+#[test]
+fn the_furnace_is_that_of_the_reference() {
+    let (code, out, err) = film(&["--furnace", FURNACE, "--tolerance", "1e-5"]);
+    assert!(code == Some(0) && err.starts_with("120 rows, furnace: error at most"), "{code:?} {err}");
+    assert_eq!(out.lines().count(), 121);
+    let head = out.lines().next().expect("a head");
+    assert!(head.starts_with("n0,n1,n2,d_nm,lambda_nm,roughness,kd,tau,cos_o,E_spec,E_diff_flat,"), "{head}");
+    // The control.
+    assert_eq!(film(&["--furnace", FURNACE, "--tolerance", "1e-12"]).0, Some(1));
+    let dir = tempfile::tempdir().expect("a folder");
+    let path = dir.path().join("rows.csv");
+    let compute = |row: &str| {
+        let head = "n0,n1,n2,d_nm,lambda_nm,roughness,kd,tau,cos_o";
+        std::fs::write(&path, format!("{head}\n{row}\n")).expect("written");
+        film(&["--furnace", path.to_str().expect("UTF-8"), "--json"])
+    };
+    let (code, out, err) = compute("1,1.55,2,400,550,0.5,1,0,0.4");
+    let row: serde_json::Value = serde_json::from_str(&out).expect("JSON");
+    let number = |key: &str| row[key].as_f64().expect("a number");
+    assert!(code == Some(0) && err == "{\"rows\":1,\"max_error\":null,\"rms_error\":null}\n", "{err}");
+    assert!((number("E_spec") + number("E_diff_coupled") - 1.0).abs() < 1e-9, "{row}");
+    for (row, text) in [
+        ("1,1.55,2,400,550,0.5,1.5,0,0.4", ":2: kd = 1.5 is out of range"),
+        ("1,1.55,2,400,550,0.5,1,-1,0.4", ":2: tau = -1 is out of range"),
+        ("1,1.55,20,400,550,0.5,1,0,0.4", ":2: n2 = 20 is out of range"),
+    ] {
+        let (code, _, err) = compute(row);
+        assert!(code == Some(2) && err.contains(text), "{code:?} {err}");
+    }
+}
+
+#[test]
+fn a_plot_is_an_svg_with_axes() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let path = dir.path().join("film.svg");
+    let plot = |args: &[&str]| film(&[&["--plot", path.to_str().expect("UTF-8")], args].concat());
+    assert_eq!(plot(&["--thickness-nm", "1500", "--angle-deg", "30"]).0, Some(0));
+    let svg = std::fs::read_to_string(&path).expect("read");
+    for part in ["<svg", ">2000<", "thickness, nm", "at 30 degrees", "</svg>"] {
+        assert!(svg.contains(part), "{part}");
+    }
+    assert_eq!(plot(&[]).0, Some(0));
+    assert_eq!(plot(&["--n2", "0"]).0, Some(2));
+    assert_eq!(plot(&["--lambda-nm", "550"]).0, Some(2));
+    assert_eq!(film(&["--plot", dir.path().join("no/film.svg").to_str().expect("UTF-8")]).0, Some(3));
 }
 
 #[test]

@@ -1,0 +1,40 @@
+//! `report` from outside: one page, the numbers beside it, and the exit code.
+
+use super::cli::ophidian;
+
+#[test]
+fn the_report_on_optics_is_one_page_with_numbers_beside_it() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let output = ophidian()
+        .args(["report", "optics", "--quick", "--json", "-o"])
+        .arg(dir.path().join("new/report"))
+        .output()
+        .expect("the command runs");
+    let json: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    // In a build for tests, beside other tests, times say nothing; all else must pass.
+    let failures: Vec<&str> =
+        json["failures"].as_array().expect("a list").iter().filter_map(|f| f.as_str()).collect();
+    assert!(failures.iter().all(|f| f.contains("times as long")), "{failures:?}");
+    assert!(output.stderr.is_empty());
+    let methods = json["tables"]["film_color"].as_array().expect("rows");
+    assert!(methods.len() >= 16 && methods.iter().any(|m| m["method"] == "series-3"), "{methods:?}");
+    let read =
+        |name: &str| std::fs::read_to_string(dir.path().join("new/report").join(name)).expect("a file");
+    let html = read("optics.html");
+    assert!(html.matches("<svg").count() >= 4 && html.matches("<table>").count() >= 4);
+    for outside in ["src=", "href=", "@import", "url(", "<script"] {
+        assert!(!html.contains(outside), "{outside}");
+    }
+    assert!(read("optics_stability.csv").lines().count() > 40);
+    assert!(read("optics_film_color.csv").starts_with("method,ns,"));
+    assert!(read("optics_curves.svg").starts_with("<svg"));
+    assert_eq!(serde_json::from_str::<serde_json::Value>(&read("optics.json")).expect("JSON"), json);
+}
+
+#[test]
+fn a_directory_that_cannot_be_made_is_told_at_once() {
+    let file = tempfile::NamedTempFile::new().expect("a file");
+    let output =
+        ophidian().args(["report", "-o"]).arg(file.path().join("x")).output().expect("the command runs");
+    assert_eq!(output.status.code(), Some(3));
+}
