@@ -61,6 +61,7 @@
 //! | [`maps`] | the texture set, and its values as integers | `base` `eval` |
 //! | `io` | files: PNG, OpenEXR, manifest, all or nothing (feature `files`) | `base` `node` `maps` |
 //! | `scene` | what renderers see: meshes, materials, lights, cameras (feature `render`) | `base` `optics` `preset` `maps` |
+//! | `reference` | ground truth: a spectral path tracer (feature `render`) | `base` `optics` `scene` |
 //! | `report` | what every shortcut costs: errors against times, as a page (feature `render`) | `optics` |
 //! | `cli` | the command (feature `cli`); imported by nothing | all of them |
 //!
@@ -96,6 +97,8 @@ pub mod node;
 pub mod optics;
 pub mod plan;
 pub mod preset;
+#[cfg(feature = "render")]
+pub mod reference;
 #[cfg(feature = "render")]
 pub mod report;
 #[cfg(feature = "render")]

@@ -13,7 +13,7 @@ use std::sync::atomic::{AtomicU8, Ordering};
 pub enum Level {
     /// What the target guarantees (SSE2 on x86-64, NEON on aarch64).
     Baseline = 1,
-    /// x86-64-v3 without FMA: AVX2 and BMI.
+    /// x86-64-v3 without FMA: AVX2, BMI, LZCNT, POPCNT.
     Avx2 = 2,
     /// x86-64-v4: AVX-512 F, BW, CD, DQ, VL.
     Avx512 = 3,
@@ -47,7 +47,9 @@ pub fn detected() -> Level {
     {
         let avx2 = is_x86_feature_detected!("avx2")
             && is_x86_feature_detected!("bmi1")
-            && is_x86_feature_detected!("bmi2");
+            && is_x86_feature_detected!("bmi2")
+            && is_x86_feature_detected!("lzcnt")
+            && is_x86_feature_detected!("popcnt");
         let avx512 = avx2
             && is_x86_feature_detected!("avx512f")
             && is_x86_feature_detected!("avx512bw")
@@ -103,9 +105,9 @@ macro_rules! multiversion {
             fn body($($arg: $ty),*) $(-> $ret)? $body
             #[cfg(target_arch = "x86_64")]
             {
-                #[target_feature(enable = "avx2,bmi1,bmi2")]
+                #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]
                 fn avx2($($arg: $ty),*) $(-> $ret)? { body($($arg),*) }
-                #[target_feature(enable = "avx2,bmi1,bmi2,avx512f,avx512bw,avx512cd,avx512dq,avx512vl")]
+                #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512bw,avx512cd,avx512dq,avx512vl")]
                 fn avx512($($arg: $ty),*) $(-> $ret)? { body($($arg),*) }
                 match $crate::base::simd::level() {
                     // SAFETY: `level()` is Avx512 or Avx2 only where `detected()` found exactly these features.

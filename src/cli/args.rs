@@ -12,6 +12,8 @@ use crate::io::NameTemplate;
 use crate::maps::Depth;
 use crate::optics::Method;
 use crate::preset::suggest;
+use crate::reference::{SamplerKind, Technique};
+use crate::scene::tone::ToneMap;
 
 const EXAMPLES: &str = "Examples:
   ophidian generate lampropeltis_triangulum -o out
@@ -33,6 +35,13 @@ const FILM_EXAMPLES: &str = "Examples:
   ophidian film --thickness-nm 400 --angle-deg 60 --method three
   ophidian film --thickness-nm 400 --lambda-nm 550       R and T
   ophidian film --csv rows.csv -o results.csv --tolerance 1e-12";
+
+const RENDER_EXAMPLES: &str = "Examples:
+  ophidian render xenopeltis_unicolor --spp 256 -o sunbeam.exr
+  ophidian render out --scene studio --size 640x480       a directory that `generate` wrote
+  ophidian render \"milk snake\" --stage film --transport direct
+  ophidian render boa.toml --mesh snake.glb --budget 60s   stop after a minute
+  ophidian render boa.toml --scene my_scene.toml --scene-set camera.distance=4";
 
 /// Makes tileable, registered snake-skin textures from a preset and a seed.
 #[derive(Debug, Parser)]
@@ -60,6 +69,8 @@ pub(super) enum Verb {
     Schema(Schema),
     /// Compare texture sets with their manifest.
     Verify(Verify),
+    /// Render a skin on the subject of a scene by path tracing: the ground truth.
+    Render(Box<Render>),
     /// Compute what a thin film reflects: one film, or the rows of a table.
     Film(Film),
     /// Measure what every shortcut costs: error against time, as a page, CSV and JSON.
@@ -120,6 +131,172 @@ pub(super) struct Generate {
     /// Print one JSON object per set on standard output.
     #[arg(long)]
     pub(super) json: bool,
+}
+
+/// `render`
+#[derive(Debug, Args)]
+#[command(after_help = format!("{RENDER_EXAMPLES}\n\n{}", Exit::TABLE))]
+pub(super) struct Render {
+    /// A built-in preset by name, a preset file, or a directory that `generate` wrote one set to.
+    #[arg(value_name = "PRESET|SET")]
+    pub(super) skin: String,
+    /// A built-in scene (coil, s, straight, loop, studio, macro, thesis, sphere, plane, cylinder) or a scene file.
+    #[arg(long, default_value = "coil")]
+    pub(super) scene: String,
+    /// The picture: .exr (linear, with variance and what was hit; a .png is written beside it) or .png.
+    #[arg(short, long, value_name = "FILE", default_value = "render.exr")]
+    pub(super) output: PathBuf,
+    /// Paths per pixel; the scene's unless set.
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    pub(super) spp: Option<u32>,
+    /// Pixels of the picture; the scene's unless set.
+    #[arg(long, value_name = "WxH")]
+    pub(super) size: Option<PixelsArg>,
+    /// Texels on the longer side of the maps of a preset, or exactly WIDTHxHEIGHT.
+    #[arg(long, default_value = "2048", value_name = "N|WxH")]
+    pub(super) map_size: SizeArg,
+    /// The individual; the preset's own unless set.
+    #[arg(long)]
+    pub(super) seed: Option<u64>,
+    #[command(flatten)]
+    pub(super) set: Set,
+    /// Another value for a key of the scene, such as camera.distance=4; may be given many times.
+    #[arg(long = "scene-set", value_name = "KEY=VALUE")]
+    pub(super) scene_settings: Vec<String>,
+    /// Which light is followed.
+    #[arg(long, value_enum, default_value = "full")]
+    pub(super) transport: TransportArg,
+    /// Most surfaces that a path meets; the scene's unless set.
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=64))]
+    pub(super) bounces: Option<u32>,
+    /// The layers of the skin that there are: the stages of the thesis.
+    #[arg(long, value_enum, default_value = "all")]
+    pub(super) stage: StageArg,
+    /// How lights are found.
+    #[arg(long, value_enum, default_value = "mis")]
+    pub(super) technique: TechniqueArg,
+    /// Where random numbers come from.
+    #[arg(long, value_enum, default_value = "sobol")]
+    pub(super) sampler: SamplerArg,
+    /// Another noise.
+    #[arg(long, default_value = "0", value_name = "N")]
+    pub(super) noise: u32,
+    /// A mesh of one's own in place of the scene's subject: .obj or .glb, with texture coordinates.
+    #[arg(long, value_name = "FILE")]
+    pub(super) mesh: Option<PathBuf>,
+    /// Move the surface by so many times the height map, in place of nothing.
+    #[arg(long, value_name = "AMOUNT")]
+    pub(super) displace: Option<f32>,
+    /// Tone curve of the .png; the scene's unless set.
+    #[arg(long, value_parser = tone)]
+    pub(super) tone: Option<ToneMap>,
+    /// Added to the scene's exposure, as a power of two.
+    #[arg(long, allow_negative_numbers = true, value_name = "EV")]
+    pub(super) exposure_ev: Option<f32>,
+    /// Stop after so many seconds of tracing, with what is there.
+    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
+    pub(super) budget: Option<f64>,
+    /// Threads; all cores unless set. The picture does not depend on it.
+    #[arg(long, env = "OPHIDIAN_THREADS", value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub(super) threads: Option<u16>,
+    /// Print nothing but problems.
+    #[arg(short, long)]
+    pub(super) quiet: bool,
+    /// Print one JSON object on standard output.
+    #[arg(long)]
+    pub(super) json: bool,
+}
+
+/// Which light is followed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum TransportArg {
+    /// All of it, in wavelengths.
+    Full,
+    /// What comes straight from lights and environment, in red, green and blue.
+    Direct,
+    /// The same, and nothing keeps the environment's light off.
+    DirectOpen,
+}
+
+/// A stage of the thesis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum StageArg {
+    /// The colour map on a matt surface.
+    Diffuse,
+    /// That, with the normal map.
+    Normal,
+    /// What the film reflects, alone.
+    Film,
+    /// All layers.
+    All,
+}
+
+/// How lights are found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum TechniqueArg {
+    /// By chance.
+    Bsdf,
+    /// By asking a light at each surface.
+    Nee,
+    /// Both, weighted.
+    Mis,
+}
+
+impl From<TechniqueArg> for Technique {
+    fn from(arg: TechniqueArg) -> Self {
+        match arg {
+            TechniqueArg::Bsdf => Self::Bsdf,
+            TechniqueArg::Nee => Self::NextEvent,
+            TechniqueArg::Mis => Self::Mis,
+        }
+    }
+}
+
+/// Where random numbers come from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(super) enum SamplerArg {
+    /// Owen-scrambled Sobol points.
+    Sobol,
+    /// Independent numbers.
+    Independent,
+}
+
+impl From<SamplerArg> for SamplerKind {
+    fn from(arg: SamplerArg) -> Self {
+        match arg {
+            SamplerArg::Sobol => Self::Sobol,
+            SamplerArg::Independent => Self::Independent,
+        }
+    }
+}
+
+/// Width and height of a picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct PixelsArg(pub(super) [usize; 2]);
+
+impl FromStr for PixelsArg {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text.parse()? {
+            SizeArg::Exact(width, height) => Ok(Self([width, height])),
+            SizeArg::Longer(_) => Err("a picture has a width and a height, such as 960x540".into()),
+        }
+    }
+}
+
+fn tone(word: &str) -> Result<ToneMap, String> {
+    let name = |t: &ToneMap| format!("{t:?}").to_ascii_lowercase();
+    ToneMap::ALL.into_iter().find(|t| name(t) == word).ok_or_else(|| {
+        format!("tone curves: {}", ToneMap::ALL.iter().map(name).collect::<Vec<_>>().join(", "))
+    })
+}
+
+fn seconds(word: &str) -> Result<f64, String> {
+    match word.strip_suffix('s').unwrap_or(word).parse::<f64>() {
+        Ok(seconds) if (0.0..=1e6).contains(&seconds) => Ok(seconds),
+        _ => Err("a time is a number of seconds, 0 to 1000000".into()),
+    }
 }
 
 /// `check`

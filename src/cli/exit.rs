@@ -20,7 +20,7 @@ pub enum Exit {
     File = 3,
     /// The maps need more memory than `--memory`; nothing was written.
     Memory = 4,
-    /// Stopped by Ctrl-C; the set at work was not written.
+    /// Stopped by Ctrl-C; the set at work was not written, `render` wrote the picture as far as it was.
     Interrupted = 130,
 }
 
@@ -32,7 +32,7 @@ impl Exit {
   2    the arguments or a preset cannot be used; nothing was written
   3    a file or directory cannot be read or written
   4    more memory is needed than --memory allows; nothing was written
-  130  stopped by Ctrl-C; the set at work was not written";
+  130  stopped by Ctrl-C; the set at work was not written, a picture was written as it was";
 }
 
 impl From<Exit> for ExitCode {

@@ -17,9 +17,11 @@ mod nodes;
 mod presets;
 mod progress;
 mod render;
+mod render_scene;
 mod report;
 mod schema;
 mod signal;
+mod stage;
 mod verify;
 
 use clap::Parser as _;
@@ -58,6 +60,7 @@ fn dispatch(verb: &Verb) -> Result<Exit, Failure> {
         Verb::Schema(args) => schema::run(args),
         Verb::Presets(args) => presets::run(args),
         Verb::Verify(args) => verify::run(args),
+        Verb::Render(args) => render_scene::run(args),
         Verb::Film(args) => film::run(args),
         Verb::Report(args) => report::run(args),
         Verb::Completions(args) => completions::run(args),

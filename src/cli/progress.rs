@@ -47,6 +47,14 @@ impl Progress {
         }
     }
 
+    /// So much of the whole is done, and this is at work.
+    pub(super) fn share(&self, share: f32, step: &str) {
+        self.bar.set_position((share * WHOLE as f32) as u64);
+        if !self.bar.is_hidden() {
+            self.bar.set_message(step.to_owned());
+        }
+    }
+
     /// One of `count` files is written.
     pub(super) fn written(&self, file: &str, count: usize) {
         self.bar.inc((WHOLE - EVALUATED) / count.max(1) as u64);

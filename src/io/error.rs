@@ -56,6 +56,12 @@ pub enum Problem {
         /// Greatest number of samples.
         limit: u64,
     },
+    /// The file is longer than it may be.
+    #[error("it has more than {most} bytes")]
+    Long {
+        /// Greatest length, bytes.
+        most: usize,
+    },
     /// The image is wider or higher than its format allows.
     #[error("{width}x{height} texels do not fit the format")]
     Unencodable {
@@ -93,6 +99,7 @@ impl Problem {
             Self::Format { .. } => {
                 "images are read as PNG, OpenEXR or Radiance HDR, by content, not by extension"
             }
+            Self::Long { .. } => "give a smaller file",
             Self::TooLarge { .. } => "scale the image down",
             Self::Unencodable { .. } => "choose a smaller size",
             Self::ReadBack(_) => {

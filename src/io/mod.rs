@@ -5,7 +5,9 @@
 //! | [`write_set`], [`SetWriter`] | a set into a directory, at once or map by map |
 //! | [`WriteOptions`], [`NameTemplate`] | which files, how named, how encoded, whether read back |
 //! | [`Manifest`], [`verify_dir`] | what a directory holds, and whether it still does |
+//! | [`read_set`] | a set of a directory, back as maps |
 //! | [`read_image`], [`load_assets`] | PNG, OpenEXR and Radiance HDR files as inputs |
+//! | [`write_picture`], [`write_channels`] | rendered pictures |
 //! | [`write_text`] | a text file, whole or not at all |
 //! | [`IoError`] | a path and what is wrong with it |
 //!
@@ -17,8 +19,10 @@ mod exr;
 mod hdr;
 mod manifest;
 mod names;
+mod picture;
 mod png;
 mod read;
+mod sets;
 mod write;
 
 pub use error::{IoError, Problem};
@@ -28,5 +32,7 @@ pub use manifest::{
     SampleKind, SetRecord, VerifyReport, verify_dir,
 };
 pub use names::{NameError, NameTemplate};
-pub use read::{MAX_SAMPLES, load_assets, read_image};
+pub use picture::{write_channels, write_picture};
+pub use read::{MAX_SAMPLES, load_assets, read_bytes, read_image};
+pub use sets::read_set;
 pub use write::{Output, SetWriter, Staged, WriteOptions, write_set, write_text};

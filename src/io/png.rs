@@ -78,7 +78,7 @@ pub(super) fn verify(map: &MapImage, options: &EncodeOptions, file: &mut File) -
     reader.finish().map_err(|e| differs(e.to_string()))
 }
 
-fn problem(error: ::png::EncodingError) -> Problem {
+pub(super) fn problem(error: ::png::EncodingError) -> Problem {
     match error {
         ::png::EncodingError::IoError(e) => e.into(),
         e => Problem::Format { format: "PNG", message: e.to_string() },

@@ -49,6 +49,26 @@ pub fn load_assets<'a>(
     if errors.is_empty() { Ok(assets) } else { Err(errors) }
 }
 
+/// The bytes of a file, at most `most`.
+///
+/// # Errors
+/// If it cannot be read, or has more.
+pub fn read_bytes(path: &Path, most: usize) -> Result<Vec<u8>, IoError> {
+    let read = || -> Result<Vec<u8>, Problem> {
+        let file = File::open(path)?;
+        if file.metadata()?.is_dir() {
+            return Err(Problem::IsADirectory);
+        }
+        let mut bytes = Vec::new();
+        file.take(most as u64 + 1).read_to_end(&mut bytes)?;
+        if bytes.len() > most {
+            return Err(Problem::Long { most });
+        }
+        Ok(bytes)
+    };
+    read().map_err(|problem| problem.at(path))
+}
+
 fn open(path: &Path) -> Result<Asset, Problem> {
     let mut file = File::open(path)?;
     if file.metadata()?.is_dir() {
@@ -124,46 +144,66 @@ fn read_png(file: BufReader<File>) -> Result<Asset, Problem> {
     Ok(Asset { channels: (0..lanes).map(plane).collect(), alpha: alpha.then(|| plane(lanes)) })
 }
 
-fn read_exr(mut file: BufReader<File>) -> Result<Asset, Problem> {
-    use super::exr::problem;
-    let refuse = |message: String| Problem::Format { format: "OpenEXR", message };
+/// The channels of the first layer of an OpenEXR file.
+pub(super) struct ExrLayer {
+    width: usize,
+    height: usize,
+    channels: Vec<(String, FlatSamples)>,
+}
 
-    // Look at the size before anything of that size is allocated.
-    let meta = ::exr::block::read(&mut file, false).map_err(problem)?.into_meta_data();
-    let Some(header) = meta.headers.iter().find(|h| !h.deep) else {
-        return Err(refuse("it holds deep data only".into()));
-    };
-    let size = header.layer_size;
-    limit(size.0 as u64, size.1 as u64, header.channels.list.len() as u64)?;
-    file.seek(SeekFrom::Start(0))?;
+impl ExrLayer {
+    /// Read it whole, after a look at its size.
+    pub(super) fn read(mut file: BufReader<File>) -> Result<Self, Problem> {
+        use super::exr::problem;
+        // Look at the size before anything of that size is allocated.
+        let meta = ::exr::block::read(&mut file, false).map_err(problem)?.into_meta_data();
+        let Some(header) = meta.headers.iter().find(|h| !h.deep) else {
+            return Err(refuse("it holds deep data only".into()));
+        };
+        let size = header.layer_size;
+        limit(size.0 as u64, size.1 as u64, header.channels.list.len() as u64)?;
+        file.seek(SeekFrom::Start(0))?;
 
-    let image = ::exr::prelude::read()
-        .no_deep_data()
-        .largest_resolution_level()
-        .all_channels()
-        .first_valid_layer()
-        .all_attributes()
-        .non_parallel()
-        .from_buffered(file)
-        .map_err(problem)?;
-    let layer = image.layer_data;
-    let (width, height) = (layer.size.0, layer.size.1);
-    let mut channels: Vec<(String, FlatSamples)> =
-        layer.channel_data.list.into_iter().map(|c| (c.name.to_string(), c.sample_data)).collect();
-    let names: Vec<String> = channels.iter().map(|(name, _)| name.clone()).collect();
-    let mut take = |wanted: &str| -> Result<Plane, Problem> {
-        let at = channels.iter().position(|(name, _)| name == wanted);
-        let (_, samples) = channels.swap_remove(at.ok_or_else(|| refuse(format!("no channel {wanted}")))?);
+        let image = ::exr::prelude::read()
+            .no_deep_data()
+            .largest_resolution_level()
+            .all_channels()
+            .first_valid_layer()
+            .all_attributes()
+            .non_parallel()
+            .from_buffered(file)
+            .map_err(problem)?;
+        let layer = image.layer_data;
+        let (width, height) = (layer.size.0, layer.size.1);
+        let channels =
+            layer.channel_data.list.into_iter().map(|c| (c.name.to_string(), c.sample_data)).collect();
+        Ok(Self { width, height, channels })
+    }
+
+    /// Take out the plane of this name.
+    pub(super) fn take(&mut self, wanted: &str) -> Result<Plane, Problem> {
+        let at = self.channels.iter().position(|(name, _)| name == wanted);
+        let (_, samples) =
+            self.channels.swap_remove(at.ok_or_else(|| refuse(format!("no channel {wanted}")))?);
         let values: Vec<f32> = match samples {
             FlatSamples::F16(v) => v.into_iter().map(|h| h.to_f32()).collect(),
             FlatSamples::F32(v) => v,
             FlatSamples::U32(v) => v.into_iter().map(|n| n as f32).collect(),
         };
-        if values.len() != width * height || values.is_empty() {
+        if values.len() != self.width * self.height || values.is_empty() {
             return Err(refuse(format!("channel {wanted} is subsampled or empty")));
         }
-        Ok(Plane::from_vec(width, height, values))
-    };
+        Ok(Plane::from_vec(self.width, self.height, values))
+    }
+}
+
+fn refuse(message: String) -> Problem {
+    Problem::Format { format: "OpenEXR", message }
+}
+
+fn read_exr(file: BufReader<File>) -> Result<Asset, Problem> {
+    let mut layer = ExrLayer::read(file)?;
+    let names: Vec<String> = layer.channels.iter().map(|(name, _)| name.clone()).collect();
     let has = |wanted: &str| names.iter().any(|n| n == wanted);
     let opaque: Vec<&String> = names.iter().filter(|n| *n != "A").collect();
     let wanted: Vec<&str> = if ["R", "G", "B"].into_iter().all(has) {
@@ -177,8 +217,8 @@ fn read_exr(mut file: BufReader<File>) -> Result<Asset, Problem> {
     } else {
         return Err(refuse(format!("which of its channels is meant? It has {}", names.join(", "))));
     };
-    let planes = wanted.into_iter().map(&mut take).collect::<Result<_, _>>()?;
-    let alpha = if has("A") { Some(take("A")?) } else { None };
+    let planes = wanted.into_iter().map(|name| layer.take(name)).collect::<Result<_, _>>()?;
+    let alpha = if has("A") { Some(layer.take("A")?) } else { None };
     Ok(Asset { channels: planes, alpha })
 }
 

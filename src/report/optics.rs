@@ -128,8 +128,7 @@ fn films(
     page.heading("The colour of a film: error against time");
     page.prose(format!(
         "The grid has {} films and directions: a film of index 1.33, 1.55 or 1.8 in air on 1, 1.33, 1.5 or 2, from 1 to \
-         2400 nm thick, from 0 to 89.9 degrees. The truth is the series below, carried on until less than 1e-7 is left or path differences \
-         exceed 41 micrometres, where fringes are too fine for any eye. It was \
+         2400 nm thick, from 0 to 89.9 degrees. The truth is the series below, carried on until less than 1e-7 is left. It was \
          checked in this run in two ways: carrying it on to 1e-9 changes it by at most {series:.1e}, and integrating the exact \
          reflectance over 1880 wavelengths differs from it by at most {quadrature:.1e} up to 76 degrees (closer to grazing, \
          resonances get so sharp that such an integration is the worse of the two).",
@@ -343,19 +342,13 @@ fn curves() -> (Plot, Plot) {
 fn whole(page: &mut Page, failures: &mut Vec<String>, count: u32, rounds: usize) -> String {
     page.heading("The whole skin: film, pigment and base");
     page.prose(format!(
-        "Light that the film does not reflect goes through it and through a layer with pigment, is scattered by the base below, \
-         and comes back. Nature does that for each wavelength; shading does it for red, green and blue, and multiplies colours \
-         where it should multiply spectra. Here are both, for {count} random points of the default film, 100 to 1500 nm thick, \
-         and random directions. The error is that of the worst channel, relative to the mean of the true ones; the truth has 128 \
-         wavelengths. Base and pigment are gray, so that all colour is the film's. Time is that of one colour, from \
-         a point and two directions.",
+        "Light that the film does not reflect goes through it and through a layer with pigment, is scattered by the base below,          and comes back. Nature does that for each wavelength; shading does it for red, green and blue, and multiplies colours          where it should multiply spectra. Here are both, for {count} random points of the default film, 100 to 1500 nm thick,          and random directions. The error is that of the worst channel, relative to the mean of the true ones; the truth has 128          wavelengths. Base and pigment are gray, so that all colour is the film's. Time is that of one colour, from          a point and two directions.",
     ));
     let (table, (mean, p99)) = brdf::table(count, rounds);
     let summary = format!("\n{}", table.text());
     page.table(table);
     page.prose(format!(
-        "Red, green and blue by series-3 cost {:.2} percent on average and {:.1} percent at most in 99 of 100 cases. \
-         The rest are saturated colours outside sRGB, which shading limits to it.",
+        "Red, green and blue by series-3 cost {:.2} percent on average and {:.1} percent at most in 99 of 100 cases.",
         100.0 * mean,
         100.0 * p99
     ));

@@ -13,7 +13,7 @@ use super::mesh::{Mesh, MeshError};
 use super::tangents::{self, TangentError};
 
 /// Bytes that a file may have.
-const MOST_BYTES: usize = 1 << 30;
+pub const MOST_BYTES: usize = 1 << 30;
 /// Triangles, and vertices, that a file may have, instances counted.
 const MOST: usize = 20_000_000;
 

@@ -19,7 +19,7 @@ use serde_json::{Value, json};
 
 use super::material::Texel;
 use super::pose::Pose;
-use super::tone::ToneMap;
+use super::tone::{Metering, ToneMap};
 use crate::base::{LinearRgb, Srgb8};
 use crate::optics::layered::{Albedo, Constants, Energy};
 use crate::preset::{Diagnostic, Diagnostics, Document, Item, PresetError, Table, section, suggest};
@@ -447,6 +447,25 @@ impl Default for RenderSpec {
             metering: MeteringSpec::Manual,
             tone: ToneMap::Neutral,
         }
+    }
+}
+
+impl RenderSpec {
+    /// The exposure of a picture of this radiance, as a power of two.
+    pub fn exposure(&self, texels: &[[f32; 3]]) -> f32 {
+        let metered = match self.metering {
+            MeteringSpec::Manual => 0.0,
+            MeteringSpec::Average => Metering::LogAverage(0.18).exposure_ev(texels),
+            MeteringSpec::Highlights => Metering::Percentile { share: 0.99, target: 0.8 }.exposure_ev(texels),
+        };
+        metered + self.exposure_ev
+    }
+}
+
+impl EnvironmentSpec {
+    /// The file of its picture, if it is one.
+    pub fn picture(&self) -> Option<&str> {
+        (self.kind == Surroundings::Picture).then_some(self.file.as_str())
     }
 }
 

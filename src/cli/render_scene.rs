@@ -1,0 +1,181 @@
+//! `render`: a skin on the subject of a scene, by the path tracer.
+
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use super::args::{Render, StageArg, TransportArg};
+use super::exit::{Exit, Failure};
+use super::progress::Progress;
+use super::stage::{self, Skin};
+use super::{generate, signal};
+use crate::base::{LinearRgb, MapKind, Srgb8};
+use crate::io;
+use crate::reference::{Control, Film, Renderer, Settings, Stage, Transport};
+use crate::scene::spec::SceneSpec;
+
+/// Make the picture and write it, also the unfinished one after Ctrl-C or at the end of the time.
+pub(super) fn run(args: &Render) -> Result<Exit, Failure> {
+    let files = Files::new(&args.output)?;
+    let text = stage::text(&args.scene, &args.scene_settings)?;
+    let spec = &text.spec;
+    let settings = settings(args, spec);
+    let pool = generate::pool(args.threads)?;
+    let progress = Progress::new(args.quiet);
+    let stop = signal::stop_flag();
+    progress.start("skin".into());
+    let skin = Skin::load(args, &wanted(args, settings.stage), stop, &progress, &pool)?;
+    progress.start(spec.name.clone());
+    let scene = stage::build(&text, &skin, args)?;
+    let renderer = Renderer::new(&scene).map_err(|e| Failure::usage(e, "see [material] of the scene"))?;
+
+    let start = Instant::now();
+    let limit = args.budget.map(Duration::from_secs_f64);
+    let done = AtomicBool::new(false);
+    let film = pool.install(|| {
+        let told = |share: f32| {
+            if stop.load(Ordering::Relaxed) || limit.is_some_and(|limit| start.elapsed() > limit) {
+                done.store(true, Ordering::Relaxed);
+            }
+            progress.share(share, "tracing paths");
+        };
+        renderer.render(&settings, Control { cancel: Some(&done), progress: Some(&told) })
+    });
+    let seconds = start.elapsed().as_secs_f64();
+    let exposure = spec.render.exposure(&film.rgb()) + args.exposure_ev.unwrap_or(0.0);
+    files.write(&film, |c| {
+        let tone = args.tone.unwrap_or(spec.render.tone);
+        Srgb8(tone.encode(LinearRgb(c), exposure).map(|v| (v * 255.0 + 0.5) as u8))
+    })?;
+    drop(progress);
+    if args.json || !args.quiet {
+        report(
+            args,
+            &Made { skin: &skin, spec, settings: &settings, film: &film, seconds, exposure },
+            &files,
+        )?;
+    }
+    Ok(if stop.load(Ordering::Relaxed) { Exit::Interrupted } else { Exit::Done })
+}
+
+fn settings(args: &Render, spec: &SceneSpec) -> Settings {
+    let render = &spec.render;
+    let (width, height) =
+        args.size.map_or((render.width as usize, render.height as usize), |s| (s.0[0], s.0[1]));
+    Settings {
+        width,
+        height,
+        samples: args.spp.unwrap_or(render.samples),
+        seed: args.noise,
+        transport: match args.transport {
+            TransportArg::Full => Transport::Full { bounces: args.bounces.unwrap_or(render.bounces) },
+            TransportArg::Direct => Transport::Direct { environment_shadows: true },
+            TransportArg::DirectOpen => Transport::Direct { environment_shadows: false },
+        },
+        technique: args.technique.into(),
+        sampler: args.sampler.into(),
+        stage: match args.stage {
+            StageArg::Diffuse => Stage::Diffuse,
+            StageArg::Normal => Stage::Normal,
+            StageArg::Film => Stage::Film,
+            StageArg::All => Stage::All,
+        },
+    }
+}
+
+/// The maps that a stage reads; no other is evaluated.
+fn wanted(args: &Render, stage: Stage) -> Vec<MapKind> {
+    use MapKind::{Color, Height, Iridescence, Normal, Roughness};
+    let shading: &[MapKind] = match stage {
+        Stage::Diffuse => &[Color],
+        Stage::Normal => &[Color, Normal],
+        Stage::Film => &[Normal, Roughness, Iridescence],
+        Stage::All => &[Color, Normal, Roughness, Iridescence],
+    };
+    shading.iter().copied().chain(args.displace.map(|_| Height)).collect()
+}
+
+/// Where the picture goes.
+struct Files {
+    exr: Option<PathBuf>,
+    png: Option<PathBuf>,
+}
+
+impl Files {
+    /// An `.exr` has a `.png` beside it, for eyes.
+    fn new(path: &Path) -> Result<Self, Failure> {
+        let png = path.with_extension("png");
+        match path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
+            Some("exr") => Ok(Self { exr: Some(path.to_owned()), png: Some(png) }),
+            Some("png") => Ok(Self { exr: None, png: Some(path.to_owned()) }),
+            _ => Err(Failure::usage(
+                format!(
+                    "{}: a picture is written as .exr (with a .png beside it) or as .png",
+                    path.display()
+                ),
+                "for example -o snake.exr",
+            )),
+        }
+    }
+
+    fn write(&self, film: &Film, screen: impl Fn([f32; 3]) -> Srgb8) -> Result<(), Failure> {
+        let size = [film.width, film.height];
+        if let Some(path) = &self.exr {
+            io::write_channels(path, size, &film.channels())?;
+        }
+        if let Some(path) = &self.png {
+            let pixels: Vec<Srgb8> = film.rgb().into_iter().map(screen).collect();
+            io::write_picture(path, size, &pixels)?;
+        }
+        Ok(())
+    }
+}
+
+struct Made<'a> {
+    skin: &'a Skin,
+    spec: &'a SceneSpec,
+    settings: &'a Settings,
+    film: &'a Film,
+    seconds: f64,
+    exposure: f32,
+}
+
+fn report(args: &Render, made: &Made<'_>, files: &Files) -> Result<(), Failure> {
+    let Made { skin, spec, settings, film, seconds, exposure } = made;
+    let samples: f64 = film.pixels.iter().map(|p| f64::from(p.count)).sum();
+    let rate = samples / seconds.max(1e-9) / 1e6;
+    let noise = film.noise();
+    let written: Vec<String> =
+        [&files.exr, &files.png].into_iter().flatten().map(|p| p.display().to_string()).collect();
+    let mut out = anstream::stdout();
+    if args.json {
+        let json = serde_json::json!({
+            "scene": spec.name,
+            "skin": skin.name,
+            "size": [film.width, film.height],
+            "samples_per_pixel": film.samples_per_pixel(),
+            "seconds": seconds,
+            "million_samples_per_second": rate,
+            "standard_error": noise,
+            "exposure_ev": exposure,
+            "files": written,
+        });
+        writeln!(out, "{json}")?;
+        return Ok(());
+    }
+    writeln!(
+        out,
+        "{} on {}, {}x{}: {:.1} of {} samples per pixel in {seconds:.2} s ({rate:.2} million/s), standard error {noise:.2e}",
+        skin.name,
+        spec.name,
+        film.width,
+        film.height,
+        film.samples_per_pixel(),
+        settings.samples,
+    )?;
+    for file in written {
+        writeln!(out, "{file}")?;
+    }
+    Ok(())
+}

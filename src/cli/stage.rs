@@ -1,0 +1,169 @@
+//! What is rendered: a scene from its text, and a skin from a preset or a directory of maps.
+
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+use super::args::Render;
+use super::exit::{Exit, Failure};
+use super::load::{Files, Preset};
+use super::progress::Progress;
+use super::{generate, memory, render};
+use crate::base::MapKind;
+use crate::eval::{self, Control};
+use crate::io;
+use crate::maps::{SetId, TextureSet, assemble};
+use crate::preset::{Diagnostics, Document, Loaded, Loader, overrides};
+use crate::scene::build::Inputs;
+use crate::scene::builtin::{self, BuiltinScenes};
+use crate::scene::displace::displace;
+use crate::scene::spec::{self, SceneSpec};
+use crate::scene::{EnvironmentImage, Mesh, Scene, SkinMaps, import};
+
+/// A scene's text with the folder that its files are relative to.
+pub(super) struct SceneText {
+    pub(super) spec: SceneSpec,
+    folder: std::path::PathBuf,
+}
+
+/// Read what `word` means: a scene file, or a built-in scene; then lay the settings over it.
+///
+/// # Errors
+/// If there is no such scene, or its text or the settings cannot be read.
+pub(super) fn text(word: &str, settings: &[String]) -> Result<SceneText, Failure> {
+    let path = Path::new(word);
+    let is_file = word.ends_with(".toml") || word.contains(['/', '\\']) || path.is_file();
+    let mut document = if is_file {
+        let files = Files::default();
+        let loaded = files.load(word, "").map_err(|message| Failure::Message {
+            exit: Exit::File,
+            message,
+            help: Some("built-in scenes are named without .toml".into()),
+        })?;
+        Document::load_text(loaded, &files)?
+    } else {
+        let loaded: Loaded = BuiltinScenes.load(word, "").map_err(|message| {
+            let names: Vec<&str> = builtin::BUILTIN.iter().map(|(name, _)| *name).collect();
+            Failure::usage(message, format!("scenes: {}; or a file that ends in .toml", names.join(", ")))
+        })?;
+        Document::load_text(loaded, &BuiltinScenes)?
+    };
+    let mut diagnostics = Diagnostics::new();
+    for setting in settings {
+        overrides::apply(&mut document, setting, &mut diagnostics);
+    }
+    diagnostics.finish(&document.sources)?;
+    let (mut spec, warnings) = spec::read(&document)?;
+    render::warnings(&warnings, &document.sources);
+    if spec.name.is_empty() {
+        spec.name = path.file_stem().map_or(word.into(), |s| s.to_string_lossy().into_owned());
+    }
+    let folder = if is_file { path.parent().unwrap_or(Path::new("")).to_owned() } else { Default::default() };
+    Ok(SceneText { spec, folder })
+}
+
+/// Maps to render, and whose they are.
+pub(super) struct Skin {
+    /// Name of the preset.
+    pub(super) name: String,
+    maps: Arc<TextureSet>,
+}
+
+impl Skin {
+    /// Evaluate a preset, or read a directory that `generate` wrote; only the maps that are wanted.
+    ///
+    /// # Errors
+    /// If there is no such preset or set, it is not sound, or memory does not suffice.
+    pub(super) fn load(
+        args: &Render,
+        wanted: &[MapKind],
+        stop: &AtomicBool,
+        progress: &Progress,
+        pool: &rayon::ThreadPool,
+    ) -> Result<Self, Failure> {
+        let dir = Path::new(&args.skin);
+        if dir.is_dir() {
+            let set = io::read_set(dir, wanted)?;
+            return Ok(Self { name: set.preset.clone(), maps: Arc::new(set) });
+        }
+        let preset = Preset::open(&args.skin, &args.set.settings)?;
+        let mut graph = preset.graph()?;
+        if let Some(seed) = args.seed {
+            graph = graph.with_seed(seed);
+        }
+        // A preset of nodes may lack some; the scene's material stands in.
+        let wanted: Vec<MapKind> = wanted.iter().copied().filter(|k| graph.maps.contains_key(k)).collect();
+        let domain = args.map_size.domain(graph.girth_mm, graph.length_mm);
+        let plan = generate::plan(&graph, &wanted, domain, memory::budget(None))?;
+        let told = |share: f32, step: &str| progress.share(share, step);
+        let control = Control { cancel: Some(stop), progress: Some(&told) };
+        let evaluation =
+            pool.install(|| eval::run(&plan, control)).map_err(|_| Failure::Told(Exit::Interrupted))?;
+        let id = SetId {
+            domain,
+            preset: graph.name.clone(),
+            seed: graph.seed,
+            preset_hash: crate::graph::preset_hash(&graph),
+        };
+        Ok(Self { name: graph.name, maps: Arc::new(assemble(evaluation, id)) })
+    }
+}
+
+/// The scene with the skin on its subject, or on a mesh of one's own.
+///
+/// # Errors
+/// If a file that it names cannot be read, or the subject cannot be made.
+pub(super) fn build(text: &SceneText, skin: &Skin, args: &Render) -> Result<Scene, Failure> {
+    let spec = &text.spec;
+    let picture = match spec.environment.picture() {
+        Some(file) => Some(Arc::new(picture(&text.folder.join(file))?)),
+        None => None,
+    };
+    let set = &skin.maps;
+    let maps = Some(Arc::new(SkinMaps::new(set, spec.material.texel())));
+    let size_mm = [set.domain.girth_mm, set.domain.length_mm];
+    let fail =
+        |e: &dyn std::fmt::Display| Failure::usage(e, "see `ophidian schema --scene` for what a scene says");
+    let mut scene = Scene::build(spec, &Inputs { maps, picture, size_mm }).map_err(|e| fail(&e))?;
+    if let Some(path) = &args.mesh {
+        scene.objects[0].mesh = mesh(path)?;
+    }
+    if let Some(amount) = args.displace {
+        let Some(height) = set.maps.get(&MapKind::Height) else {
+            return Err(Failure::usage(
+                format!("{} has no height map to displace by", skin.name),
+                "leave out --displace",
+            ));
+        };
+        let subject = &mut scene.objects[0].mesh;
+        *subject = displace(subject, &height.planes[0], amount, scene.mm_per_unit).map_err(|e| fail(&e))?;
+    }
+    Ok(scene)
+}
+
+/// A mesh of one's own.
+fn mesh(path: &Path) -> Result<Mesh, Failure> {
+    let bytes = io::read_bytes(path, import::MOST_BYTES)?;
+    let read = match path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
+        Some("obj") => import::obj(&bytes),
+        Some("glb") => import::glb(&bytes),
+        _ => {
+            let message = format!("{}: a mesh is an .obj or a .glb file", path.display());
+            return Err(Failure::usage(message, "export it from a modelling program as glTF binary"));
+        }
+    };
+    read.map_err(|e| Failure::usage(format!("{}: {e}", path.display()), "the mesh was not rendered"))
+}
+
+/// The picture of an environment.
+fn picture(path: &Path) -> Result<EnvironmentImage, Failure> {
+    let asset = io::read_image(path)?;
+    let plane = |c: usize| asset.channels[c.min(asset.channels.len() - 1)].data();
+    let texels = (0..plane(0).len()).map(|i| [0, 1, 2].map(|c| plane(c)[i])).collect();
+    EnvironmentImage::new(asset.channels[0].width(), asset.channels[0].height(), texels).map_err(|e| {
+        Failure::usage(
+            format!("{}: {e}", path.display()),
+            "an environment is linear light, finite and not negative",
+        )
+    })
+}

@@ -1,0 +1,160 @@
+//! One path of light, traced backwards from the eye.
+
+use glam::Vec3;
+
+use super::bvh::Bvh;
+use super::film::Pixel;
+use super::lights::Lights;
+use super::sampler::Sampler;
+use super::settings::{Settings, Technique};
+use super::skin::Skins;
+use super::surface::{Point, lift};
+use crate::optics::Bands;
+use crate::scene::Scene;
+
+/// Surfaces after which paths end by chance.
+const ROULETTE_FROM: u32 = 3;
+/// Shadow rays end this much short of a light, which is no obstacle.
+const SHORT: f32 = 0.9999;
+
+/// What paths run through.
+pub(super) struct World<'a> {
+    pub(super) scene: &'a Scene,
+    pub(super) bvh: &'a Bvh,
+    pub(super) lights: &'a Lights<'a>,
+    pub(super) skins: &'a Skins,
+    pub(super) settings: &'a Settings,
+}
+
+impl World<'_> {
+    /// Radiance along a ray, in every band, by a random path; what is met first is added to `pixel`.
+    ///
+    /// At each surface one light is asked and one direction followed (Kajiya 1986; Veach 1997, 9.2.4 and 10.2).
+    #[inline(always)]
+    pub(super) fn radiance<B: Bands<f32, N>, const N: usize>(
+        &self,
+        mut origin: Vec3,
+        mut direction: Vec3,
+        channels: &Channels<B, N>,
+        sampler: &mut Sampler,
+        pixel: &mut Pixel,
+    ) -> [f32; N] {
+        let technique = self.settings.technique;
+        let parts = self.settings.stage.parts();
+        let ghostly = self.settings.transport.ghostly_environment();
+        let bounces = self.settings.transport.bounces();
+        let mut radiance = [0.0; N];
+        let mut throughput = [1.0; N];
+        // Density of the direction that is followed; infinite where no light can be asked for it.
+        let mut pdf = f32::INFINITY;
+        let mut bounce = 0;
+        loop {
+            let hit = self.bvh.first_hit(origin, direction, f32::INFINITY);
+            let limit = hit.map_or(f32::INFINITY, |h| h.distance);
+            let asked = pdf < f32::INFINITY && technique == Technique::Mis;
+            if let Some(found) = self.lights.hit(origin, direction, limit, asked) {
+                let weight = technique.weight_met(pdf, found.pdf);
+                add(&mut radiance, &throughput, &channels.of(found.radiance.0), weight);
+                return radiance;
+            }
+            if hit.is_none() || (ghostly && bounce > 0) {
+                for found in self.lights.far(direction, asked) {
+                    let weight = technique.weight_met(pdf, found.pdf);
+                    add(&mut radiance, &throughput, &channels.of(found.radiance.0), weight);
+                }
+                return radiance;
+            }
+            let Some(hit) = hit.filter(|_| bounce < bounces) else { return radiance };
+            let point = Point::new(self.scene, &hit, direction, self.settings.stage.has_bumps());
+            if bounce == 0 {
+                point.record(pixel);
+            }
+            let frame = point.frame;
+            let view = self.skins.view(&point, channels, frame.to_local(-direction).to_array(), parts);
+
+            if technique.asks() {
+                let u = sampler.next();
+                if let Some(light) = self.lights.sample(point.position, [u[0], u[1]], u[2]) {
+                    let wi = frame.to_local(light.direction).to_array();
+                    let outside = point.normal.dot(light.direction) > 0.0;
+                    let (f, pdf) = if outside { view.eval_pdf(wi) } else { ([0.0; N], 0.0) };
+                    if f.iter().any(|f| *f != 0.0) {
+                        let from = lift(point.position, point.normal, light.direction);
+                        let limit = light.distance * SHORT;
+                        // Lamps hide what is behind them, as they do where rays meet them.
+                        let behind = self.lights.hit(from, light.direction, limit, false).is_some();
+                        let free = ghostly && light.environment;
+                        if !behind && (free || !self.bvh.is_blocked(from, light.direction, limit)) {
+                            let weight =
+                                if light.delta { 1.0 } else { technique.weight_asked(light.pdf, pdf) };
+                            let part: [f32; N] = std::array::from_fn(|i| throughput[i] * f[i]);
+                            add(
+                                &mut radiance,
+                                &part,
+                                &channels.of(light.radiance.0),
+                                weight * wi[2].abs() / light.pdf,
+                            );
+                        }
+                    }
+                }
+            }
+
+            let u = sampler.next();
+            let Some(sample) = view.sample([u[0], u[1], u[2]]) else { return radiance };
+            direction = frame.to_world(Vec3::from_array(sample.wi));
+            if point.normal.dot(direction) <= 0.0 {
+                return radiance;
+            }
+            let scale = sample.wi[2].abs() / sample.pdf;
+            throughput = std::array::from_fn(|i| throughput[i] * sample.f[i] * scale);
+            pdf = if sample.delta { f32::INFINITY } else { sample.pdf };
+            bounce += 1;
+            if bounce >= ROULETTE_FROM {
+                let survive = throughput.iter().fold(0.0f32, |a, &b| a.max(b)).min(0.95);
+                if survive <= u[3] {
+                    return radiance;
+                }
+                throughput = throughput.map(|t| t / survive);
+            }
+            origin = lift(point.position, point.normal, direction);
+        }
+    }
+}
+
+/// `sum += throughput light weight`, in every band.
+#[inline(always)]
+fn add<const N: usize>(sum: &mut [f32; N], throughput: &[f32; N], light: &[f32; N], weight: f32) {
+    for i in 0..N {
+        sum[i] += throughput[i] * light[i] * weight;
+    }
+}
+
+/// The bands of one path: what they reflect, and how colours become bands and bands a colour.
+pub(super) struct Channels<B, const N: usize> {
+    /// For films.
+    pub(super) bands: B,
+    /// What red, green and blue are in each band.
+    pub(super) basis: [[f32; 3]; N],
+    /// What each band adds to red, green and blue.
+    pub(super) weights: [[f32; 3]; N],
+}
+
+impl<B, const N: usize> Channels<B, N> {
+    /// A linear sRGB colour in every band.
+    #[inline(always)]
+    pub(super) fn of(&self, rgb: [f32; 3]) -> [f32; N] {
+        self.basis.map(|b| b[0] * rgb[0] + b[1] * rgb[1] + b[2] * rgb[2])
+    }
+
+    /// The linear sRGB colour of a radiance in every band.
+    #[inline(always)]
+    pub(super) fn rgb(&self, radiance: [f32; N]) -> [f32; 3] {
+        let mut rgb = [0.0; 3];
+        for (x, weight) in radiance.iter().zip(&self.weights) {
+            for c in 0..3 {
+                rgb[c] += x * weight[c];
+            }
+        }
+        rgb
+    }
+}

@@ -1,0 +1,223 @@
+//! Pictures whose pixels are known in closed form, and what must not change them.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use glam::{Vec2, Vec3, Vec4};
+
+use super::*;
+use crate::base::{LinearRgb, simd};
+use crate::optics::layered::{Albedo, Constants};
+use crate::optics::{Film as ThinFilm, FilmColor, Method};
+use crate::scene::{Camera, Environment, Light, Material, Mesh, Object, Scene};
+
+/// A square of side 2 `half` at y = 0 that faces up.
+fn floor(half: f32) -> Mesh {
+    let at = |x: f32, z: f32| Vec3::new(x * half, 0.0, z * half);
+    Mesh {
+        positions: vec![at(-1.0, -1.0), at(-1.0, 1.0), at(1.0, 1.0), at(1.0, -1.0)],
+        normals: vec![Vec3::Y; 4],
+        tangents: vec![Vec4::new(1.0, 0.0, 0.0, 1.0); 4],
+        uvs: vec![Vec2::ZERO; 4],
+        triangles: vec![[0, 1, 2], [0, 2, 3]],
+    }
+}
+
+/// Nothing reflects but a white matt base.
+fn matt() -> Constants {
+    Constants { indices: [1.0; 3], albedo: Albedo::Intrinsic, ..Constants::default() }
+}
+
+fn skin(constants: Constants, albedo: f32, roughness: f32, thickness_nm: f32) -> Material {
+    Material { constants, color: LinearRgb([albedo; 3]), roughness, thickness_nm, maps: None }
+}
+
+/// A floor seen from straight above, from so far that all of the picture is its middle.
+fn scene(material: Material, lights: Vec<Light>, radiance: f32) -> Scene {
+    Scene {
+        name: "floor".into(),
+        mm_per_unit: 1.0,
+        objects: vec![Object { name: "floor".into(), mesh: floor(1.0), material: 0 }],
+        materials: vec![material],
+        camera: Camera {
+            position: Vec3::new(0.0, 2.0, 0.0),
+            target: Vec3::ZERO,
+            up: Vec3::Z,
+            field_of_view_rad: 0.002,
+            aperture: 0.0,
+            focus_distance: 2.0,
+        },
+        lights,
+        environment: Environment::Constant(LinearRgb([radiance; 3])),
+        exposure_ev: 0.0,
+    }
+}
+
+fn settings(samples: u32) -> Settings {
+    Settings { width: 8, height: 8, samples, ..Settings::default() }
+}
+
+/// Mean colour of a picture, and its standard error.
+fn mean(scene: &Scene, settings: &Settings) -> ([f64; 3], f64) {
+    let film = Renderer::new(scene).expect("sound").render(settings, Control::default());
+    let n = film.pixels.len() as f64;
+    let rgb = film.rgb();
+    let mean = std::array::from_fn(|c| rgb.iter().map(|p| f64::from(p[c])).sum::<f64>() / n);
+    (mean, film.noise() / n.sqrt())
+}
+
+fn close(scene: &Scene, settings: &Settings, expected: [f64; 3]) {
+    let (mean, error) = mean(scene, settings);
+    for c in 0..3 {
+        let tolerance = 4.0 * error + 2e-5 * expected[c].abs() + 1e-7;
+        assert!(
+            (mean[c] - expected[c]).abs() < tolerance,
+            "{mean:?} for {expected:?}, noise {error}, {settings:?}"
+        );
+    }
+}
+
+#[test]
+fn a_matt_floor_under_one_light_has_the_radiance_of_the_cosine_law() {
+    let direction = Vec3::new(0.6, 0.8, 0.0);
+    for angular_radius_rad in [0.0, 0.005] {
+        let light = Light::Directional { direction, irradiance: LinearRgb([2.0; 3]), angular_radius_rad };
+        let scene = scene(skin(matt(), 0.5, 0.3, 0.0), vec![light], 0.0);
+        let expected = [0.5 / std::f64::consts::PI * 2.0 * 0.8; 3];
+        close(
+            &scene,
+            &Settings { transport: Transport::Direct { environment_shadows: true }, ..settings(4) },
+            expected,
+        );
+        close(&scene, &settings(256), expected);
+    }
+}
+
+#[test]
+fn a_rectangle_overhead_gives_the_irradiance_of_its_form_factor() {
+    // A rectangle 2a x 2b at distance h, parallel, seen from below its middle: four times the form factor of a corner
+    // (Modest, Radiative Heat Transfer, configuration 11).
+    let (a, b, h) = (0.7f64, 0.4f64, 1.1f64);
+    let corner = |x: f64, y: f64| {
+        let (p, q) = ((1.0 + x * x).sqrt(), (1.0 + y * y).sqrt());
+        (x / p * (y / p).atan() + y / q * (x / q).atan()) / (2.0 * std::f64::consts::PI)
+    };
+    let factor = 4.0 * corner(a / h, b / h);
+    let light = Light::Area {
+        center: Vec3::new(0.0, h as f32, 0.0),
+        u: Vec3::new(a as f32, 0.0, 0.0),
+        // u x v down.
+        v: Vec3::new(0.0, 0.0, b as f32),
+        radiance: LinearRgb([3.0; 3]),
+    };
+    // The eye below the lamp.
+    let mut scene = scene(skin(matt(), 0.8, 0.3, 0.0), vec![light], 0.0);
+    scene.camera.position.y = 1.0;
+    for technique in [Technique::Bsdf, Technique::NextEvent, Technique::Mis] {
+        let direct = Transport::Direct { environment_shadows: true };
+        close(&scene, &Settings { transport: direct, technique, ..settings(256) }, [0.8 * 3.0 * factor; 3]);
+    }
+}
+
+#[test]
+fn a_film_under_a_white_sky_has_the_colour_of_the_exact_series() {
+    for (d, roughness) in [(0.0, 0.0), (400.0, 0.0), (600.0, 0.0), (2.4e6, 0.0)] {
+        let scene = scene(skin(Constants::default(), 0.0, roughness, d), vec![], 1.0);
+        let film = ThinFilm::new(1.0, 1.55, 2.0, f64::from(d)).expect("a film");
+        let expected = FilmColor::<f64>::new(Method::REFERENCE).color(&film, 1.0);
+        close(&scene, &Settings { stage: Stage::Film, ..settings(1024) }, expected);
+    }
+}
+
+#[test]
+fn a_white_furnace_is_white_at_any_roughness() {
+    for roughness in [0.0, 0.1, 0.3, 0.6, 1.0] {
+        for d in [0.0, 400.0, 3000.0] {
+            let mut scene = scene(skin(Constants::default(), 1.0, roughness, d), vec![], 1.0);
+            // Also at a slant.
+            for position in [Vec3::new(0.0, 2.0, 0.0), Vec3::new(1.8, 0.6, 0.3)] {
+                scene.camera.position = position;
+                let (mean, error) = mean(&scene, &settings(256));
+                for c in mean {
+                    // Energy of a rough film is from a table: its error is that of the table.
+                    assert!(
+                        (c - 1.0).abs() < 4.0 * error + 2e-3,
+                        "{roughness} {d} {position} {mean:?} {error}"
+                    );
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn every_way_to_find_lights_gives_the_same_picture() {
+    let lamp = Light::Area {
+        center: Vec3::new(0.8, 0.9, 0.3),
+        u: Vec3::new(0.3, 0.0, 0.0),
+        v: Vec3::new(0.0, 0.0, 0.3),
+        radiance: LinearRgb([4.0, 2.0, 1.0]),
+    };
+    let mut scene = scene(skin(Constants::default(), 0.4, 0.4, 350.0), vec![lamp], 0.3);
+    // A second floor above one half: light goes to and fro.
+    let mut roof = floor(0.5);
+    roof.positions.iter_mut().for_each(|p| *p += Vec3::new(-0.6, 0.4, 0.0));
+    scene.objects.push(Object { name: "roof".into(), mesh: roof, material: 0 });
+    let truth = mean(&scene, &settings(4096));
+    for technique in [Technique::Bsdf, Technique::NextEvent] {
+        for sampler in [SamplerKind::Sobol, SamplerKind::Independent] {
+            let (mean, error) = mean(&scene, &Settings { technique, sampler, ..settings(2048) });
+            for c in 0..3 {
+                let tolerance = 4.0 * (error * error + truth.1 * truth.1).sqrt();
+                assert!(
+                    (mean[c] - truth.0[c]).abs() < tolerance,
+                    "{technique:?} {sampler:?} {mean:?} {truth:?} {error}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn the_picture_does_not_depend_on_threads_or_instruction_set_and_does_on_the_seed() {
+    let scene = scene(skin(Constants::default(), 0.4, 0.4, 350.0), vec![], 1.0);
+    let render = |threads, seed| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+        let settings = Settings { width: 40, height: 24, seed, ..settings(4) };
+        pool.install(|| Renderer::new(&scene).expect("sound").render(&settings, Control::default()))
+    };
+    let one = render(1, 5);
+    assert!(one == render(3, 5));
+    assert!(one != render(1, 6));
+    let level = simd::level();
+    simd::force(simd::Level::Baseline);
+    let plain = render(2, 5);
+    simd::force(level);
+    assert!(one == plain);
+}
+
+#[test]
+fn a_stopped_picture_is_whole_and_refining_goes_on_where_it_ended() {
+    let scene = scene(skin(Constants::default(), 0.4, 0.4, 350.0), vec![], 1.0);
+    let renderer = Renderer::new(&scene).expect("sound");
+    let stop = AtomicBool::new(false);
+    let told = |share: f32| stop.store(share > 0.3, Ordering::Relaxed);
+    let control = Control { cancel: Some(&stop), progress: Some(&told) };
+    let film = renderer.render(&Settings { width: 64, height: 48, ..settings(64) }, control);
+    assert!(film.samples_per_pixel() < 64.0);
+    assert!(film.pixels.iter().all(|p| p.count > 0 && p.rgb()[0] > 0.0));
+
+    let whole = renderer.render(&settings(8), Control::default());
+    let mut parts = Film::new(8, 8);
+    renderer.refine(&mut parts, &settings(8), 0..3, Control::default());
+    renderer.refine(&mut parts, &settings(8), 3..8, Control::default());
+    assert!(whole == parts);
+}
+
+#[test]
+fn a_scene_of_nothing_is_its_environment_and_odd_sizes_work() {
+    let mut empty = scene(skin(matt(), 0.5, 0.5, 0.0), vec![], 0.25);
+    empty.objects.clear();
+    close(&empty, &Settings { width: 1, height: 17, ..settings(16) }, [0.25; 3]);
+    empty.environment = Environment::Constant(LinearRgb([0.0; 3]));
+    close(&empty, &settings(1), [0.0; 3]);
+}
