@@ -62,7 +62,7 @@
 //! | `io` | files: PNG, OpenEXR, manifest, all or nothing (feature `files`) | `base` `node` `maps` |
 //! | `scene` | what renderers see: meshes, materials, lights, cameras (feature `render`) | `base` `optics` `preset` `maps` |
 //! | `reference` | ground truth: a spectral path tracer (feature `render`) | `base` `optics` `scene` |
-//! | `report` | what every shortcut costs: errors against times, as a page (feature `render`) | `optics` |
+//! | `report` | what every shortcut costs: errors against times, as a page (feature `render`) | `optics` `scene` `reference` |
 //! | `cli` | the command (feature `cli`); imported by nothing | all of them |
 //!
 //! Files, environment and threads are touched in `io` and `cli` only, a clock in `eval::trace` as well.

@@ -178,6 +178,9 @@ pub(super) struct Render {
     /// Where random numbers come from.
     #[arg(long, value_enum, default_value = "sobol")]
     pub(super) sampler: SamplerArg,
+    /// Most radiance by way of a second surface or more: removes bright specks, and darkens caustics; none for truth.
+    #[arg(long, value_name = "RADIANCE", value_parser = radiance)]
+    pub(super) clamp: Option<f32>,
     /// Another noise.
     #[arg(long, default_value = "0", value_name = "N")]
     pub(super) noise: u32,
@@ -290,6 +293,13 @@ fn tone(word: &str) -> Result<ToneMap, String> {
     ToneMap::ALL.into_iter().find(|t| name(t) == word).ok_or_else(|| {
         format!("tone curves: {}", ToneMap::ALL.iter().map(name).collect::<Vec<_>>().join(", "))
     })
+}
+
+fn radiance(word: &str) -> Result<f32, String> {
+    word.parse()
+        .ok()
+        .filter(|r: &f32| *r > 0.0)
+        .ok_or_else(|| "a radiance is a number above 0; white paper in the sun has 1".into())
 }
 
 fn seconds(word: &str) -> Result<f64, String> {
@@ -456,6 +466,12 @@ pub(super) struct Report {
     /// What is reported on.
     #[arg(value_enum, default_value = "optics")]
     pub(super) kind: ReportKind,
+    /// `convergence`: a built-in scene or a scene file.
+    #[arg(default_value = "coil")]
+    pub(super) scene: String,
+    /// `convergence`: a built-in preset, a preset file, or a directory that `generate` wrote one set to.
+    #[arg(long, value_name = "PRESET|SET", default_value = "lampropeltis_triangulum")]
+    pub(super) skin: String,
     /// Directory of the files; it is made if need be.
     #[arg(short, long, value_name = "DIR", default_value = "report")]
     pub(super) output: PathBuf,
@@ -472,6 +488,8 @@ pub(super) struct Report {
 pub(super) enum ReportKind {
     /// Light on skin: films, methods, extreme cases.
     Optics,
+    /// The path tracer on a scene: noise against samples and seconds, and what is left out.
+    Convergence,
 }
 
 /// Numbers that are computed with.

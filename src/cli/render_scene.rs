@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use super::args::{Render, StageArg, TransportArg};
 use super::exit::{Exit, Failure};
 use super::progress::Progress;
-use super::stage::{self, Skin};
+use super::stage::{self, Skin, Source};
 use super::{generate, signal};
 use crate::base::{LinearRgb, MapKind, Srgb8};
 use crate::io;
@@ -25,9 +25,11 @@ pub(super) fn run(args: &Render) -> Result<Exit, Failure> {
     let progress = Progress::new(args.quiet);
     let stop = signal::stop_flag();
     progress.start("skin".into());
-    let skin = Skin::load(args, &wanted(args, settings.stage), stop, &progress, &pool)?;
+    let source =
+        Source { word: &args.skin, settings: &args.set.settings, seed: args.seed, size: args.map_size };
+    let skin = Skin::load(&source, &wanted(settings.stage, args.displace.is_some()), stop, &progress, &pool)?;
     progress.start(spec.name.clone());
-    let scene = stage::build(&text, &skin, args)?;
+    let scene = stage::build(&text, &skin, args.mesh.as_deref(), args.displace)?;
     let renderer = Renderer::new(&scene).map_err(|e| Failure::usage(e, "see [material] of the scene"))?;
 
     let start = Instant::now();
@@ -73,6 +75,7 @@ fn settings(args: &Render, spec: &SceneSpec) -> Settings {
             TransportArg::Direct => Transport::Direct { environment_shadows: true },
             TransportArg::DirectOpen => Transport::Direct { environment_shadows: false },
         },
+        clamp: args.clamp,
         technique: args.technique.into(),
         sampler: args.sampler.into(),
         stage: match args.stage {
@@ -85,7 +88,7 @@ fn settings(args: &Render, spec: &SceneSpec) -> Settings {
 }
 
 /// The maps that a stage reads; no other is evaluated.
-fn wanted(args: &Render, stage: Stage) -> Vec<MapKind> {
+pub(super) fn wanted(stage: Stage, displaced: bool) -> Vec<MapKind> {
     use MapKind::{Color, Height, Iridescence, Normal, Roughness};
     let shading: &[MapKind] = match stage {
         Stage::Diffuse => &[Color],
@@ -93,7 +96,7 @@ fn wanted(args: &Render, stage: Stage) -> Vec<MapKind> {
         Stage::Film => &[Normal, Roughness, Iridescence],
         Stage::All => &[Color, Normal, Roughness, Iridescence],
     };
-    shading.iter().copied().chain(args.displace.map(|_| Height)).collect()
+    shading.iter().copied().chain(displaced.then_some(Height)).collect()
 }
 
 /// Where the picture goes.

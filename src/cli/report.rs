@@ -2,10 +2,15 @@
 
 use std::io::Write as _;
 
-use super::args::{Report, ReportKind};
+use super::args::{Report, ReportKind, SizeArg};
 use super::exit::{Exit, Failure};
 use super::progress::Progress;
+use super::render_scene::wanted;
+use super::stage::{self, Skin, Source};
+use super::{generate, signal};
 use crate::io;
+use crate::reference::Stage;
+use crate::report;
 use crate::report::optics::{self, Effort};
 
 /// Measure, and write the files.
@@ -22,6 +27,7 @@ pub(super) fn run(args: &Report) -> Result<Exit, Failure> {
     let effort = if args.quick { Effort::Quick } else { Effort::Full };
     let report = match args.kind {
         ReportKind::Optics => optics::report(effort, &mut watch),
+        ReportKind::Convergence => convergence(args, effort, &progress, &mut watch)?,
     };
     let files = report.files();
     files.iter().try_for_each(|(name, text)| io::write_text(&args.output.join(name), text))?;
@@ -34,4 +40,20 @@ pub(super) fn run(args: &Report) -> Result<Exit, Failure> {
         writeln!(out, "{}", args.output.join(&files[0].0).display())?;
     }
     Ok(if report.failures.is_empty() { Exit::Done } else { Exit::Differs })
+}
+
+/// The path tracer on the scene that was asked for.
+fn convergence(
+    args: &Report,
+    effort: Effort,
+    progress: &Progress,
+    watch: report::Watch<'_>,
+) -> Result<report::Report, Failure> {
+    let text = stage::text(&args.scene, &[])?;
+    let source = Source { word: &args.skin, settings: &[], seed: None, size: SizeArg::Longer(1024) };
+    let pool = generate::pool(None)?;
+    let skin = Skin::load(&source, &wanted(Stage::All, false), signal::stop_flag(), progress, &pool)?;
+    let scene = stage::build(&text, &skin, None, None)?;
+    report::convergence::report(&scene, effort, watch)
+        .map_err(|e| Failure::usage(e, "see `ophidian schema --scene` for what a scene says"))
 }

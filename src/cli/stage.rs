@@ -4,7 +4,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use super::args::Render;
+use super::args::SizeArg;
 use super::exit::{Exit, Failure};
 use super::load::{Files, Preset};
 use super::progress::Progress;
@@ -62,6 +62,18 @@ pub(super) fn text(word: &str, settings: &[String]) -> Result<SceneText, Failure
     Ok(SceneText { spec, folder })
 }
 
+/// Where a skin comes from.
+pub(super) struct Source<'a> {
+    /// A preset, or a directory.
+    pub(super) word: &'a str,
+    /// Over the preset's own.
+    pub(super) settings: &'a [String],
+    /// The individual, unless the preset's own.
+    pub(super) seed: Option<u64>,
+    /// Of the maps of a preset.
+    pub(super) size: SizeArg,
+}
+
 /// Maps to render, and whose they are.
 pub(super) struct Skin {
     /// Name of the preset.
@@ -75,25 +87,25 @@ impl Skin {
     /// # Errors
     /// If there is no such preset or set, it is not sound, or memory does not suffice.
     pub(super) fn load(
-        args: &Render,
+        source: &Source<'_>,
         wanted: &[MapKind],
         stop: &AtomicBool,
         progress: &Progress,
         pool: &rayon::ThreadPool,
     ) -> Result<Self, Failure> {
-        let dir = Path::new(&args.skin);
+        let dir = Path::new(source.word);
         if dir.is_dir() {
             let set = io::read_set(dir, wanted)?;
             return Ok(Self { name: set.preset.clone(), maps: Arc::new(set) });
         }
-        let preset = Preset::open(&args.skin, &args.set.settings)?;
+        let preset = Preset::open(source.word, source.settings)?;
         let mut graph = preset.graph()?;
-        if let Some(seed) = args.seed {
+        if let Some(seed) = source.seed {
             graph = graph.with_seed(seed);
         }
         // A preset of nodes may lack some; the scene's material stands in.
         let wanted: Vec<MapKind> = wanted.iter().copied().filter(|k| graph.maps.contains_key(k)).collect();
-        let domain = args.map_size.domain(graph.girth_mm, graph.length_mm);
+        let domain = source.size.domain(graph.girth_mm, graph.length_mm);
         let plan = generate::plan(&graph, &wanted, domain, memory::budget(None))?;
         let told = |share: f32, step: &str| progress.share(share, step);
         let control = Control { cancel: Some(stop), progress: Some(&told) };
@@ -113,7 +125,12 @@ impl Skin {
 ///
 /// # Errors
 /// If a file that it names cannot be read, or the subject cannot be made.
-pub(super) fn build(text: &SceneText, skin: &Skin, args: &Render) -> Result<Scene, Failure> {
+pub(super) fn build(
+    text: &SceneText,
+    skin: &Skin,
+    own_mesh: Option<&Path>,
+    displacement: Option<f32>,
+) -> Result<Scene, Failure> {
     let spec = &text.spec;
     let picture = match spec.environment.picture() {
         Some(file) => Some(Arc::new(picture(&text.folder.join(file))?)),
@@ -125,10 +142,10 @@ pub(super) fn build(text: &SceneText, skin: &Skin, args: &Render) -> Result<Scen
     let fail =
         |e: &dyn std::fmt::Display| Failure::usage(e, "see `ophidian schema --scene` for what a scene says");
     let mut scene = Scene::build(spec, &Inputs { maps, picture, size_mm }).map_err(|e| fail(&e))?;
-    if let Some(path) = &args.mesh {
+    if let Some(path) = own_mesh {
         scene.objects[0].mesh = mesh(path)?;
     }
-    if let Some(amount) = args.displace {
+    if let Some(amount) = displacement {
         let Some(height) = set.maps.get(&MapKind::Height) else {
             return Err(Failure::usage(
                 format!("{} has no height map to displace by", skin.name),

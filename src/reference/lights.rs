@@ -128,9 +128,12 @@ impl<'a> Lights<'a> {
     /// only if `pdf_wanted`.
     #[inline(always)]
     pub(super) fn far(&self, direction: Vec3, pdf_wanted: bool) -> impl Iterator<Item = Found> {
-        let sky = self.environment.as_ref().map(|environment| Found {
-            radiance: self.scene.environment.radiance(direction),
-            pdf: if pdf_wanted { environment.pdf(direction) * self.chances[0] } else { 0.0 },
+        let sky = self.environment.as_ref().map(|environment| {
+            if pdf_wanted {
+                let (radiance, pdf) = environment.look(direction);
+                return Found { radiance, pdf: pdf * self.chances[0] };
+            }
+            Found { radiance: self.scene.environment.radiance(direction), pdf: 0.0 }
         });
         let suns = self.scene.lights.iter().zip(&self.chances[1..]).filter_map(move |(light, chance)| {
             if matches!(light, Light::Area { .. }) {

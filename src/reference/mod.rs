@@ -24,6 +24,6 @@ mod surface;
 mod tests;
 
 pub use film::{Film, Pixel};
-pub use render::{Control, Renderer};
+pub use render::{Control, RenderError, Renderer};
 pub use sampler::SamplerKind;
 pub use settings::{Settings, Stage, Technique, Transport};

@@ -8,7 +8,7 @@ use super::lights::Lights;
 use super::sampler::Sampler;
 use super::settings::{Settings, Technique};
 use super::skin::Skins;
-use super::surface::{Point, lift};
+use super::surface::{Point, Vertex, lift};
 use crate::optics::Bands;
 use crate::scene::Scene;
 
@@ -20,6 +20,7 @@ const SHORT: f32 = 0.9999;
 /// What paths run through.
 pub(super) struct World<'a> {
     pub(super) scene: &'a Scene,
+    pub(super) vertices: &'a [Vec<Vertex>],
     pub(super) bvh: &'a Bvh,
     pub(super) lights: &'a Lights<'a>,
     pub(super) skins: &'a Skins,
@@ -43,6 +44,7 @@ impl World<'_> {
         let parts = self.settings.stage.parts();
         let ghostly = self.settings.transport.ghostly_environment();
         let bounces = self.settings.transport.bounces();
+        let clamp = |indirect: bool| self.settings.clamp.filter(|_| indirect);
         let mut radiance = [0.0; N];
         let mut throughput = [1.0; N];
         // Density of the direction that is followed; infinite where no light can be asked for it.
@@ -54,18 +56,25 @@ impl World<'_> {
             let asked = pdf < f32::INFINITY && technique == Technique::Mis;
             if let Some(found) = self.lights.hit(origin, direction, limit, asked) {
                 let weight = technique.weight_met(pdf, found.pdf);
-                add(&mut radiance, &throughput, &channels.of(found.radiance.0), weight);
+                add(&mut radiance, &throughput, &channels.of(found.radiance.0), weight, clamp(bounce > 1));
                 return radiance;
             }
             if hit.is_none() || (ghostly && bounce > 0) {
                 for found in self.lights.far(direction, asked) {
                     let weight = technique.weight_met(pdf, found.pdf);
-                    add(&mut radiance, &throughput, &channels.of(found.radiance.0), weight);
+                    add(
+                        &mut radiance,
+                        &throughput,
+                        &channels.of(found.radiance.0),
+                        weight,
+                        clamp(bounce > 1),
+                    );
                 }
                 return radiance;
             }
             let Some(hit) = hit.filter(|_| bounce < bounces) else { return radiance };
-            let point = Point::new(self.scene, &hit, direction, self.settings.stage.has_bumps());
+            let point =
+                Point::new(self.scene, self.vertices, &hit, direction, self.settings.stage.has_bumps());
             if bounce == 0 {
                 point.record(pixel);
             }
@@ -93,6 +102,7 @@ impl World<'_> {
                                 &part,
                                 &channels.of(light.radiance.0),
                                 weight * wi[2].abs() / light.pdf,
+                                clamp(bounce > 0),
                             );
                         }
                     }
@@ -121,11 +131,20 @@ impl World<'_> {
     }
 }
 
-/// `sum += throughput light weight`, in every band.
+/// `sum += throughput light weight` in every band, none more than `most`, and all by one factor.
 #[inline(always)]
-fn add<const N: usize>(sum: &mut [f32; N], throughput: &[f32; N], light: &[f32; N], weight: f32) {
+fn add<const N: usize>(
+    sum: &mut [f32; N],
+    throughput: &[f32; N],
+    light: &[f32; N],
+    weight: f32,
+    most: Option<f32>,
+) {
+    let part: [f32; N] = std::array::from_fn(|i| throughput[i] * light[i] * weight);
+    let peak = part.iter().fold(0.0f32, |a, &b| a.max(b));
+    let scale = most.map_or(1.0, |most| if peak > most { most / peak } else { 1.0 });
     for i in 0..N {
-        sum[i] += throughput[i] * light[i] * weight;
+        sum[i] += part[i] * scale;
     }
 }
 

@@ -13,10 +13,11 @@ use super::path::{Channels, World};
 use super::sampler::Sampler;
 use super::settings::{Settings, Transport};
 use super::skin::Skins;
+use super::surface::{Vertex, vertices};
 use crate::base::simd;
 use crate::optics::spectrum::{self, Wavelengths};
 use crate::optics::{Bands, FilmColor, FilmError, Method, Spectral};
-use crate::scene::{Scene, camera::View};
+use crate::scene::{Scene, camera::View, mesh::MeshError};
 
 /// Side of a tile, pixels.
 const TILE: usize = 16;
@@ -40,10 +41,34 @@ impl Control<'_> {
     }
 }
 
+/// Why a scene cannot be rendered.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum RenderError {
+    /// A mesh is broken.
+    #[error("object `{object}`: {error}")]
+    Mesh {
+        /// Its object.
+        object: String,
+        /// What is wrong.
+        error: MeshError,
+    },
+    /// There is no such material.
+    #[error("object `{object}` is made of a material that the scene has not")]
+    Material {
+        /// Which.
+        object: String,
+    },
+    /// A refractive index is out of range.
+    #[error(transparent)]
+    Film(#[from] FilmError),
+}
+
 /// A scene made ready: the tree of triangles, the tables of materials and lights.
 pub struct Renderer<'a> {
     scene: &'a Scene,
     bvh: Bvh,
+    /// Of each object.
+    vertices: Vec<Vec<Vertex>>,
     lights: Lights<'a>,
     /// For direct and for full transport.
     skins: [Skins; 2],
@@ -55,12 +80,20 @@ impl<'a> Renderer<'a> {
     /// Sort triangles and lights. It takes about a second per million triangles.
     ///
     /// # Errors
-    /// If a material has an index out of range.
-    pub fn new(scene: &'a Scene) -> Result<Self, FilmError> {
+    /// If a mesh or a material is not sound.
+    pub fn new(scene: &'a Scene) -> Result<Self, RenderError> {
+        for object in &scene.objects {
+            let name = || object.name.clone();
+            object.mesh.check().map_err(|error| RenderError::Mesh { object: name(), error })?;
+            if object.material >= scene.materials.len() {
+                return Err(RenderError::Material { object: name() });
+            }
+        }
         let identity = std::array::from_fn(|i| std::array::from_fn(|c| f32::from(u8::from(i == c))));
         Ok(Self {
             scene,
             bvh: Bvh::new(&scene.objects),
+            vertices: scene.objects.iter().map(|object| vertices(&object.mesh)).collect(),
             lights: Lights::new(scene),
             skins: [Skins::new(scene, false)?, Skins::new(scene, true)?],
             color: Channels { bands: FilmColor::new(Method::Series(3)), basis: identity, weights: identity },
@@ -103,7 +136,14 @@ impl<'a> Renderer<'a> {
         samples: Range<u32>,
         control: Control<'_>,
     ) {
-        let world = World { scene: self.scene, bvh: &self.bvh, lights: &self.lights, skins, settings };
+        let world = World {
+            scene: self.scene,
+            vertices: &self.vertices,
+            bvh: &self.bvh,
+            lights: &self.lights,
+            skins,
+            settings,
+        };
         let eye = self.scene.camera.view(settings.width as f32 / settings.height as f32);
         let mut tiles = Tile::all(film);
         let total = film.pixels.len() as u64 * u64::from(samples.end.saturating_sub(samples.start));

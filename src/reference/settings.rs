@@ -22,6 +22,9 @@ pub struct Settings {
     pub sampler: SamplerKind,
     /// Which layers of the skin there are.
     pub stage: Stage,
+    /// Most radiance, relative to D65, that a path may bring home by way of a second surface or more. It removes the bright
+    /// specks of caustics, and is the one setting that darkens a picture: none for truth.
+    pub clamp: Option<f32>,
 }
 
 impl Default for Settings {
@@ -35,6 +38,7 @@ impl Default for Settings {
             technique: Technique::Mis,
             sampler: SamplerKind::Sobol,
             stage: Stage::All,
+            clamp: None,
         }
     }
 }

@@ -1,10 +1,10 @@
 //! From a hit to what shading needs: place, normals, and the maps' values there.
 
-use glam::Vec3;
+use glam::{Vec2, Vec3, Vec4};
 
 use super::bvh::Hit;
 use super::film::Pixel;
-use crate::scene::{Material, Object, Scene, Texel};
+use crate::scene::{Material, Mesh, Object, Scene, Texel};
 
 /// What a path finds where it meets an object.
 #[derive(Clone, Copy, Debug)]
@@ -50,36 +50,53 @@ impl Frame {
     }
 }
 
+/// A vertex, all in one place of memory.
+#[derive(Clone, Copy, Debug)]
+#[repr(align(64))]
+pub(super) struct Vertex {
+    position: Vec3,
+    normal: Vec3,
+    tangent: Vec4,
+    uv: Vec2,
+}
+
+/// The vertices of an object.
+pub(super) fn vertices(mesh: &Mesh) -> Vec<Vertex> {
+    let lists = mesh.positions.iter().zip(&mesh.normals).zip(mesh.tangents.iter().zip(&mesh.uvs));
+    lists.map(|((&position, &normal), (&tangent, &uv))| Vertex { position, normal, tangent, uv }).collect()
+}
+
 impl Point {
     /// What a ray along `direction` finds at a hit; `bumps` is whether normal maps count.
     #[inline(always)]
-    pub(super) fn new(scene: &Scene, hit: &Hit, direction: Vec3, bumps: bool) -> Self {
+    pub(super) fn new(
+        scene: &Scene,
+        vertices: &[Vec<Vertex>],
+        hit: &Hit,
+        direction: Vec3,
+        bumps: bool,
+    ) -> Self {
+        let vertices = &vertices[hit.place.object as usize];
         let Object { mesh, material, .. } = &scene.objects[hit.place.object as usize];
-        let corners = mesh.triangles[hit.place.triangle as usize].map(|i| i as usize);
         let [a, b, c] = hit.weights;
-        let mix = |values: &[Vec3]| values[corners[0]] * a + values[corners[1]] * b + values[corners[2]] * c;
+        let [p, q, r] = mesh.triangles[hit.place.triangle as usize].map(|i| vertices[i as usize]);
+        let mix = |f: fn(&Vertex) -> Vec3| f(&p) * a + f(&q) * b + f(&r) * c;
         // From the corners, not along the ray: the rounding of a long ray would lift it off.
-        let position = mix(&mesh.positions);
+        let position = mix(|v| v.position);
         // Inside of a closed body, and the back of a sheet, look like the front.
         let side = if hit.normal.dot(direction) <= 0.0 { 1.0 } else { -1.0 };
         let normal = hit.normal * side;
-        let smooth = (mix(&mesh.normals) * side).normalize_or(normal);
-        let (texel, tangent, sign) = match &scene.materials[*material].maps {
-            Some(maps) => {
-                let uv = mesh.uvs[corners[0]] * a + mesh.uvs[corners[1]] * b + mesh.uvs[corners[2]] * c;
-                let t = corners.map(|i| mesh.tangents[i]);
-                let tangent = t[0] * a + t[1] * b + t[2] * c;
-                (maps.sample(uv.x, uv.y), tangent.truncate(), t[0].w * side)
+        let smooth = (mix(|v| v.normal) * side).normalize_or(normal);
+        let tangent = mix(|v| v.tangent.truncate());
+        let sign = p.tangent.w * side;
+        let texel = match &scene.materials[*material] {
+            Material { maps: Some(maps), .. } => {
+                let uv = p.uv * a + q.uv * b + r.uv * c;
+                maps.sample(uv.x, uv.y)
             }
-            None => {
-                let Material { color, roughness, thickness_nm, .. } = &scene.materials[*material];
-                let texel = Texel {
-                    color: color.0,
-                    roughness: *roughness,
-                    normal: [0.0, 0.0, 1.0],
-                    thickness_nm: *thickness_nm,
-                };
-                (texel, mesh.tangents.get(corners[0]).map_or(Vec3::X, |t| t.truncate()), 1.0)
+            Material { color, roughness, thickness_nm, .. } => {
+                let (color, normal) = (color.0, [0.0, 0.0, 1.0]);
+                Texel { color, roughness: *roughness, normal, thickness_nm: *thickness_nm }
             }
         };
         let mut frame = Frame::new(smooth, tangent, sign);

@@ -1,4 +1,4 @@
-//! WHAT EVERY SHORTCUT COSTS: errors against run times, as tables, plots and one page. Imports optics.
+//! WHAT EVERY SHORTCUT COSTS: errors against run times, as tables, plots and one page. Imports optics, scene and reference.
 //!
 //! | Item | What it is |
 //! | --- | --- |
@@ -7,11 +7,13 @@
 //! | [`Table`], [`Plot`], [`Page`] | numbers as text, CSV and JSON; a plot as SVG; one HTML file of both |
 //! | [`swatch`] | a film by thickness and angle, as a picture |
 //! | [`Report`] | a page and the files beside it |
+//! | [`convergence`] | the report on the path tracer: error against samples and seconds |
 //! | [`optics`] | the report on the skin's optics: films, methods, stability |
 //!
 //! A report writes no file: the command does.
 
 pub mod brdf;
+pub mod convergence;
 pub mod film;
 mod flip;
 pub mod html;

@@ -59,6 +59,7 @@ pub enum EnvironmentError {
 
 impl Environment {
     /// Radiance from a direction (a unit vector).
+    #[inline(always)]
     pub fn radiance(&self, direction: Vec3) -> LinearRgb {
         match self {
             Self::Constant(radiance) => *radiance,
@@ -133,8 +134,14 @@ impl EnvironmentImage {
 
     /// Radiance from a direction (a unit vector): bilinear between texel centres, around the columns and up to the
     /// poles' rows.
+    #[inline(always)]
     pub fn radiance(&self, direction: Vec3) -> LinearRgb {
-        let [u, v] = place_of(direction);
+        self.radiance_at(place_of(direction))
+    }
+
+    /// Radiance at a place of the picture.
+    #[inline(always)]
+    fn radiance_at(&self, [u, v]: [f32; 2]) -> LinearRgb {
         let (x, y) = (u * self.width as f32 - 0.5, v * self.height as f32 - 0.5);
         let (fx, fy) = (x.floor(), y.floor());
         let (tx, ty) = (x - fx, y - fy);
@@ -184,6 +191,7 @@ fn direction_of(u: f32, v: f32) -> Vec3 {
 }
 
 /// Where a direction lies in an equirectangular picture, both in [0, 1].
+#[inline(always)]
 fn place_of(d: Vec3) -> [f32; 2] {
     let around = num::atan2_turns(d.x, -d.z);
     let down = num::atan2_turns((d.x * d.x + d.z * d.z).sqrt(), d.y);
@@ -229,6 +237,9 @@ struct Table {
     rows: Vec<f32>,
     /// Cumulative probability of each row's columns, `width + 1` each.
     columns: Vec<f32>,
+    /// [`guide`] of the rows, and of each row's columns.
+    row_guide: Vec<u32>,
+    column_guides: Vec<u32>,
     /// Cosines of the rows' edges, from 1 to -1.
     edges: Vec<f32>,
 }
@@ -252,28 +263,60 @@ impl EnvironmentSampler {
     }
 
     /// A direction; `u` is uniform in the unit square.
+    #[inline(always)]
     pub fn sample(&self, u: [f32; 2]) -> EnvironmentSample {
-        let (cos, turns, pdf) = match &self.table {
-            None => (1.0 - 2.0 * u[1], u[0] - 0.5, 0.25 / PI),
-            Some(table) => table.sample(u),
+        let towards = |cos: f32, turns: f32| {
+            let radius = num::safe_sqrt((1.0 - cos) * (1.0 + cos));
+            Vec3::new(num::sin_turns(turns) * radius, cos, -num::cos_turns(turns) * radius)
         };
-        let radius = num::safe_sqrt((1.0 - cos) * (1.0 + cos));
-        let direction = Vec3::new(num::sin_turns(turns) * radius, cos, -num::cos_turns(turns) * radius);
-        EnvironmentSample { direction, radiance: self.environment.radiance(direction), pdf }
+        match (&self.table, &self.environment) {
+            (Some(table), Environment::Image(image)) => {
+                let Drawn { cos, across, pdf } = table.sample(u);
+                let direction = towards(cos, across - 0.5);
+                // The angle down from its cosine and sine; across is known.
+                let down = 2.0 * num::atan2_turns(num::safe_sqrt((1.0 - cos) * (1.0 + cos)), cos);
+                let radiance = image.radiance_at([across, num::saturate(down)]);
+                EnvironmentSample { direction, radiance, pdf }
+            }
+            _ => {
+                let direction = towards(1.0 - 2.0 * u[1], u[0] - 0.5);
+                EnvironmentSample {
+                    direction,
+                    radiance: self.environment.radiance(direction),
+                    pdf: 0.25 / PI,
+                }
+            }
+        }
     }
 
     /// The density of [`EnvironmentSampler::sample`] at a direction (a unit vector), per solid angle.
     pub fn pdf(&self, direction: Vec3) -> f32 {
-        match &self.table {
-            None => 0.25 / PI,
-            Some(table) => {
+        self.look(direction).1
+    }
+
+    /// What comes from a direction (a unit vector), and the density with which [`EnvironmentSampler::sample`] finds it.
+    #[inline(always)]
+    pub fn look(&self, direction: Vec3) -> (LinearRgb, f32) {
+        match (&self.table, &self.environment) {
+            (Some(table), Environment::Image(image)) => {
                 let [u, v] = place_of(direction);
-                let rows = table.rows.len() - 1;
-                let y = ((v * rows as f32) as usize).min(rows - 1);
-                table.pdf(((u * table.width as f32) as usize).min(table.width - 1), y)
+                let y = ((v * image.height as f32) as usize).min(image.height - 1);
+                let x = ((u * image.width as f32) as usize).min(image.width - 1);
+                (image.radiance_at([u, v]), table.pdf(x, y))
             }
+            _ => (self.environment.radiance(direction), 0.25 / PI),
         }
     }
+}
+
+/// A texel drawn, and where in it.
+#[derive(Clone, Copy)]
+struct Drawn {
+    /// Cosine from the zenith.
+    cos: f32,
+    /// Across the picture, in [0, 1].
+    across: f32,
+    pdf: f32,
 }
 
 impl Table {
@@ -295,17 +338,20 @@ impl Table {
             columns.extend(cumulative(&row));
         }
         let edges = (0..=height).map(|y| row_cos(y, height) as f32).collect();
-        Self { width, rows: cumulative(&weights), columns, edges }
+        let rows = cumulative(&weights);
+        let column_guides = columns.chunks_exact(width + 1).flat_map(guide).collect();
+        Self { width, row_guide: guide(&rows), rows, column_guides, columns, edges }
     }
 
-    /// Cosine from the zenith, turns from -z, and the density.
-    fn sample(&self, u: [f32; 2]) -> (f32, f32, f32) {
-        let (y, down) = find(&self.rows, u[1]);
-        let (x, across) = find(self.columns_of(y), u[0]);
+    #[inline(always)]
+    fn sample(&self, u: [f32; 2]) -> Drawn {
+        let (y, down) = find(&self.rows, &self.row_guide, u[1]);
+        let (x, into) = find(self.columns_of(y), &self.column_guides[y * self.width..][..self.width], u[0]);
         let cos = num::lerp(self.edges[y], self.edges[y + 1], down);
-        (cos, (x as f32 + across) / self.width as f32 - 0.5, self.pdf(x, y))
+        Drawn { cos, across: (x as f32 + into) / self.width as f32, pdf: self.pdf(x, y) }
     }
 
+    #[inline(always)]
     fn pdf(&self, x: usize, y: usize) -> f32 {
         let columns = self.columns_of(y);
         let share = (self.rows[y + 1] - self.rows[y]) * (columns[x + 1] - columns[x]);
@@ -333,11 +379,31 @@ fn cumulative(weights: &[f64]) -> Vec<f32> {
     out
 }
 
-/// The step of a cumulative list in which `u` lies, which is never empty, and how far into it, in [0, 1].
-fn find(cumulative: &[f32], u: f32) -> (usize, f32) {
+/// Where to begin in a cumulative list of n steps for each n-th part of [0, 1): the step in which it begins (Chen & Asau
+/// 1974). A search then takes a step or two.
+fn guide(cumulative: &[f32]) -> Vec<u32> {
+    let n = cumulative.len() - 1;
+    (0..n).map(|i| step_of(cumulative, i as f32 / n as f32) as u32).collect()
+}
+
+/// The step of a cumulative list in which `u` lies, which is never empty.
+fn step_of(cumulative: &[f32], u: f32) -> usize {
+    cumulative.partition_point(|&c| c <= u).max(1) - 1
+}
+
+/// The same with its guide, and how far into the step, in [0, 1].
+#[inline(always)]
+fn find(cumulative: &[f32], guide: &[u32], u: f32) -> (usize, f32) {
     // Below 1, so that there is a step above it.
     let u = num::saturate(u).min(1.0 - f32::EPSILON);
-    let i = cumulative.partition_point(|&c| c <= u).max(1) - 1;
+    let mut i = guide[((u * guide.len() as f32) as usize).min(guide.len() - 1)] as usize;
+    // Rounding may have begun a step too far.
+    while i > 0 && cumulative[i] > u {
+        i -= 1;
+    }
+    while cumulative[i + 1] <= u {
+        i += 1;
+    }
     let (low, high) = (cumulative[i], cumulative[i + 1]);
     (i, num::saturate((u - low) / (high - low)))
 }

@@ -172,13 +172,18 @@ struct SeenRectangle {
     /// Its edges along the first axis, then along the second, from the foot of the point.
     x: [f64; 2],
     y: [f64; 2],
+    /// 0 where it is to be sampled by area.
     solid_angle: f64,
     /// `area_angle(x0, y1) - area_angle(x0, y0)`.
     first: f64,
 }
 
-/// Below this solid angle rectangles are sampled by area, which then differs by less than noise.
-const SMALL: f64 = 1e-6;
+/// Below this solid angle, as its middle gives it, a rectangle is sampled by area: over so little of the sky the density
+/// hardly varies, and four arc tangents are saved.
+const SMALL: f64 = 0.1;
+
+/// The formulas lose their digits below this solid angle.
+const LEAST: f64 = 1e-6;
 
 impl SeenRectangle {
     /// `None` where the point sees only its back or its edge, or where it has no area.
@@ -196,6 +201,10 @@ impl SeenRectangle {
         let (a, b) = (u.length(), v.dot(y_axis));
         let (cx, cy) = (to.dot(x_axis), to.dot(y_axis));
         let (x, y) = ([cx - a, cx + a], [cy - b, cy + b]);
+        let near = 4.0 * a * b * height / (to.length_squared() * to.length());
+        if near < SMALL && to.length_squared() > 4.0 * (a * a + b * b) {
+            return Some(Self { axes: [x_axis, y_axis, away], height, x, y, solid_angle: 0.0, first: 0.0 });
+        }
         let angle = |x: f64, y: f64| libm::atan2(x * y, height * (x * x + y * y + height * height).sqrt());
         let first = angle(x[0], y[1]) - angle(x[0], y[0]);
         let solid_angle = angle(x[1], y[1]) - angle(x[1], y[0]) - first;
@@ -206,7 +215,7 @@ impl SeenRectangle {
     fn sample(&self, u: [f32; 2]) -> Vec3 {
         let [u, v] = u.map(f64::from);
         let ([x0, x1], [y0, y1], h) = (self.x, self.y, self.height);
-        let (x, y) = if self.solid_angle < SMALL {
+        let (x, y) = if self.solid_angle < LEAST {
             (x0 + (x1 - x0) * u, y0 + (y1 - y0) * v)
         } else {
             // The strip from x0 to x has u of the solid angle.
@@ -237,7 +246,7 @@ impl SeenRectangle {
 
     /// The density of [`Self::sample`] at the place that `to` leads to, per solid angle.
     fn pdf(&self, to: Vec3) -> f32 {
-        if self.solid_angle >= SMALL {
+        if self.solid_angle >= LEAST {
             return (1.0 / self.solid_angle) as f32;
         }
         let area = (self.x[1] - self.x[0]) * (self.y[1] - self.y[0]);
