@@ -10,7 +10,7 @@ const LEAST_COSINE: f64 = 1e-4;
 ///
 /// Snell: `n2 cos2 = sqrt(n2^2 - n0^2 sin0^2)`. The layer is the medium below the film, so n1 plays no part
 /// (thesis 4.16 takes the angle in the film).
-#[inline]
+#[inline(always)]
 pub fn cosine_in_layer<F: Real>(n0: F, n2: F, cosine: F) -> F {
     let x = n0 * usable_cosine(cosine);
     (admittance_squared(n0, n2, x).safe_sqrt() / n2).max(F::from_f64(LEAST_COSINE)).min(F::ONE)

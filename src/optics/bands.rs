@@ -34,7 +34,7 @@ pub(super) const RGB_NM: f64 = 400.0;
 impl<F: Real> Bands<F, 3> for FilmColor<F> {
     const RGB: bool = true;
 
-    #[inline]
+    #[inline(always)]
     fn reflectance(&self, film: &Film<F>, cosine: F) -> [F; 3] {
         self.color(film, cosine).map(F::saturate)
     }
@@ -44,7 +44,7 @@ impl<F: Real> Bands<F, 3> for FilmColor<F> {
         rgb
     }
 
-    #[inline]
+    #[inline(always)]
     fn fringes(&self, film: &Film<F>) -> [F; 3] {
         [fringes(film, F::from_f64(1.0 / RGB_NM)); 3]
     }
@@ -67,6 +67,7 @@ pub struct Spectral<F, const N: usize> {
 
 impl<F: Real, const N: usize> Spectral<F, N> {
     /// Wavelengths, nm, limited to 1 to 1e6; NaN is 1.
+    #[inline(always)]
     pub fn new(wavelengths_nm: [F; N]) -> Self {
         let (lo, hi) = WAVELENGTH_RANGE_NM;
         let wavelengths_nm = wavelengths_nm.map(|l| l.max(F::from_f64(lo)).min(F::from_f64(hi)));
@@ -83,13 +84,13 @@ impl<F: Real, const N: usize> Spectral<F, N> {
 impl<F: Real, const N: usize> Bands<F, N> for Spectral<F, N> {
     const RGB: bool = false;
 
-    #[inline]
+    #[inline(always)]
     fn reflectance(&self, film: &Film<F>, cosine: F) -> [F; N] {
         let incidence = film.incidence(cosine);
         incidence.unpolarised::<N, true>(film.thickness_nm(), &self.wavelengths_nm, &self.inverse)
     }
 
-    #[inline]
+    #[inline(always)]
     fn transmittance(&self, film: &Film<F>, cosine: F) -> [F; N] {
         let incidence = film.incidence(cosine);
         incidence.unpolarised::<N, false>(film.thickness_nm(), &self.wavelengths_nm, &self.inverse)
@@ -100,7 +101,7 @@ impl<F: Real, const N: usize> Bands<F, N> for Spectral<F, N> {
         self.basis.map(|b| b[0] * rgb[0] + b[1] * rgb[1] + b[2] * rgb[2])
     }
 
-    #[inline]
+    #[inline(always)]
     fn fringes(&self, film: &Film<F>) -> [F; N] {
         self.inverse.map(|inverse| fringes(film, inverse))
     }

@@ -73,7 +73,7 @@ pub fn amplitude<F: Real>(n0: F, n1: F, cosine: F) -> Polarised<Amplitude<F>> {
 ///
 /// `R = ((x - y)/(x + y))^2`, and 1 beyond the critical angle (Born & Wolf 1.5.3, eq. 33). Exactly 0 for n0 = n1 and
 /// exactly 1 for cosine 0 otherwise.
-#[inline]
+#[inline(always)]
 pub fn reflectance_polarised<F: Real>(n0: F, n1: F, cosine: F) -> Polarised<F> {
     if n0 == n1 {
         return Polarised { s: F::ZERO, p: F::ZERO };
@@ -89,7 +89,7 @@ pub fn reflectance_polarised<F: Real>(n0: F, n1: F, cosine: F) -> Polarised<F> {
 }
 
 /// Power reflectance for unpolarised light: the mean of s and p.
-#[inline]
+#[inline(always)]
 pub fn reflectance<F: Real>(n0: F, n1: F, cosine: F) -> F {
     reflectance_polarised(n0, n1, cosine).mean()
 }
@@ -97,7 +97,7 @@ pub fn reflectance<F: Real>(n0: F, n1: F, cosine: F) -> F {
 /// Power transmittance from n0 to n1 for each polarisation.
 ///
 /// `T = 4 x y/(x + y)^2` (Born & Wolf 1.5.3, eq. 34): not 1 - R, which would cancel near grazing.
-#[inline]
+#[inline(always)]
 pub fn transmittance_polarised<F: Real>(n0: F, n1: F, cosine: F) -> Polarised<F> {
     if n0 == n1 {
         return Polarised { s: F::ONE, p: F::ONE };
@@ -112,7 +112,7 @@ pub fn transmittance_polarised<F: Real>(n0: F, n1: F, cosine: F) -> Polarised<F>
 }
 
 /// Power transmittance for unpolarised light.
-#[inline]
+#[inline(always)]
 pub fn transmittance<F: Real>(n0: F, n1: F, cosine: F) -> F {
     transmittance_polarised(n0, n1, cosine).mean()
 }

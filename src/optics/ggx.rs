@@ -5,7 +5,7 @@
 use super::real::Real;
 
 /// `alpha` of a perceptual roughness in [0, 1].
-#[inline]
+#[inline(always)]
 pub fn alpha<F: Real>(roughness: F) -> F {
     roughness.saturate().squared()
 }
@@ -14,7 +14,7 @@ pub fn alpha<F: Real>(roughness: F) -> F {
 ///
 /// `D = alpha^2/(pi (nh^2 (alpha^2 - 1) + 1)^2)` (Trowbridge & Reitz 1975; Walter et al. 2007, eq. 33; thesis 3.6), for
 /// alpha > 0; a mirror, alpha 0, has no density: 0 is given.
-#[inline]
+#[inline(always)]
 pub fn density<F: Real>(alpha: F, nh: F) -> F {
     let a2 = alpha.squared();
     let nh = nh.saturate();
@@ -36,7 +36,7 @@ pub fn density_at<F: Real>(alpha: F, half: [F; 3]) -> F {
 /// `V = 1/2/(nv sqrt(alpha^2 + (1 - alpha^2) nl^2) + nl sqrt(alpha^2 + (1 - alpha^2) nv^2))` (Heitz 2014, eq. 99). Equation
 /// 3.10 of the thesis is this quantity, approximated, under the name G: it must not be divided by 4 nl nv again. 0 where a
 /// cosine is not positive.
-#[inline]
+#[inline(always)]
 pub fn visibility<F: Real>(alpha: F, nl: F, nv: F) -> F {
     if !(nl > F::ZERO && nv > F::ZERO) {
         return F::ZERO;
@@ -47,7 +47,7 @@ pub fn visibility<F: Real>(alpha: F, nl: F, nv: F) -> F {
 }
 
 /// Masking `G1` of one direction, in [0, 1] (Heitz 2014, eq. 43 and 72): `2 c/(c + sqrt(alpha^2 + (1 - alpha^2) c^2))`.
-#[inline]
+#[inline(always)]
 pub fn masking<F: Real>(alpha: F, cosine: F) -> F {
     let (c, a2) = (cosine.saturate(), alpha.squared());
     if c > F::ZERO { (c + c) / (c + (a2 + (F::ONE - a2) * c.squared()).safe_sqrt()) } else { F::ZERO }
@@ -57,7 +57,7 @@ pub fn masking<F: Real>(alpha: F, cosine: F) -> F {
 ///
 /// Source: Dupuy & Benyoub 2023, Sampling Visible GGX Normals with Spherical Caps, listing 3. Density:
 /// [`visible_density`]. Alpha 0 gives (0, 0, 1).
-#[inline]
+#[inline(always)]
 pub fn sample_visible<F: Real>(alpha: F, view: [F; 3], random: [F; 2]) -> [F; 3] {
     let v = normalise([view[0] * alpha, view[1] * alpha, view[2]]);
     // A point on the cap above -v.z, added to v.
@@ -81,7 +81,7 @@ pub fn visible_density<F: Real>(alpha: F, view: [F; 3], half: [F; 3]) -> F {
     masking(alpha, view[2]) * vh * density(alpha, half[2]) / view[2]
 }
 
-#[inline]
+#[inline(always)]
 fn normalise<F: Real>(v: [F; 3]) -> [F; 3] {
     let length = (v[0].squared() + v[1].squared() + v[2].squared()).safe_sqrt();
     if length > F::ZERO { v.map(|x| x / length) } else { [F::ZERO, F::ZERO, F::ONE] }

@@ -19,7 +19,7 @@ use std::sync::OnceLock;
 use super::absorption::cosine_in_layer;
 use super::bands::Bands;
 use super::base_layer::Base;
-use super::energy::{Row, Table};
+use super::energy::{Place, Table};
 use super::ggx;
 use super::real::Real;
 use super::thin_film::{Film, FilmError};
@@ -130,12 +130,14 @@ impl<F: Real> Layers<F> {
         self.table(B::RGB);
     }
 
+    #[inline(always)]
     fn table(&self, rgb: bool) -> &Table<F> {
         let rough = self.constants.energy == Energy::Coupled;
         self.tables[usize::from(rgb)].get_or_init(|| Table::new(&self.double, rgb, rough))
     }
 
     /// Look at a point from `wo`.
+    #[inline(always)]
     pub fn view<'a, B: Bands<F, N>, const N: usize>(
         &'a self,
         bands: &'a B,
@@ -167,23 +169,27 @@ impl<F: Real> Layers<F> {
         };
         if parts == Parts::Lambert && seen {
             let scale = albedo.map(|a| a * F::from_f64(FRAC_1_PI));
-            view.diffuse = Some(Diffuse { scale, tau: None, row: None, matt: true });
+            view.diffuse = Some(Diffuse { scale, tau: None, rough: None, matt: true });
             return view;
         }
-        let through = bands.transmittance(&film, nv);
-        let mut base = F::ZERO;
+        if mirror && view.specular {
+            view.mirror = Some(bands.reflectance(&film, nv));
+        }
+        view.chance = if view.specular { F::ONE } else { F::ZERO };
         let tau = point.absorption.map(|t| t.max(F::ZERO));
         let opaque = F::from_f64(OPAQUE);
         if matches!(parts, Parts::All | Parts::Diffuse) && seen && tau.iter().any(|t| *t < opaque) {
             let absorbing = tau.iter().any(|t| *t > F::ZERO);
             let table = self.table(B::RGB);
             // Unlike the direct formula the table is for films without number: at thickness 0 all bands are one.
-            let fringes = bands.fringes(&film);
-            let coupled = self.constants.energy == Energy::Coupled && !mirror;
             let roughness = if mirror { F::ZERO } else { point.roughness };
-            let row = coupled.then(|| table.row(roughness, fringes));
-            let through = row.as_ref().map_or(through, |row| table.transmittance(row, nv));
-            let leaving = table.leaving(roughness, fringes, absorbing);
+            let place = table.place(roughness, bands.fringes(&film));
+            let rough = (self.constants.energy == Energy::Coupled && !mirror).then_some((table, place));
+            let through = match &rough {
+                Some((table, place)) => table.transmittance(place, nv),
+                None => bands.transmittance(&film, nv),
+            };
+            let leaving = table.leaving(&place);
             let lost = if absorbing { table.lost(&leaving, tau) } else { leaving.clear };
             let mut scale = [F::ZERO; N];
             for i in 0..N {
@@ -196,31 +202,22 @@ impl<F: Real> Layers<F> {
                 let factor = self.eta * F::from_f64(FRAC_1_PI) * a * through[i];
                 scale[i] = if below > F::ZERO { factor / below } else { F::ZERO };
             }
-            // The share of energy, roughly: light comes in along the normal.
-            let mut share = leaving.clear;
-            (0..N).for_each(|i| share[i] = share[i] * scale[i]);
-            let tau = absorbing.then(|| {
-                let c2 = self.layer_cosine(nv);
-                (0..N).for_each(|i| share[i] = share[i] * (tau[i] * (F::ONE / c2 + F::ONE)).decay());
-                (tau, F::ONE / c2)
-            });
-            base = mean(share) * F::from_f64(PI) / self.eta;
-            view.diffuse = Some(Diffuse { scale, tau, row, matt: false });
-        }
-        if view.specular {
-            let reflected = through.map(|t| F::ONE - t);
-            let top = mean(reflected);
-            view.chance = match view.diffuse {
-                None => F::ONE,
-                Some(_) => {
-                    let least = F::from_f64(LEAST_CHANCE);
-                    let share = top / (top + base).max(F::from_f64(1e-30));
-                    share.max(least).min(F::ONE - least)
+            if view.specular {
+                // The share of energy, roughly: light comes in along the normal.
+                let mut share = leaving.clear;
+                (0..N).for_each(|i| share[i] = share[i] * scale[i]);
+                if absorbing {
+                    let way = F::ONE / self.layer_cosine(nv) + F::ONE;
+                    (0..N).for_each(|i| share[i] = share[i] * (tau[i] * way).decay());
                 }
-            };
-            if mirror {
-                view.mirror = Some(bands.reflectance(&film, nv));
+                let base = mean(share) * F::from_f64(PI) / self.eta;
+                let top = mean(through.map(|t| F::ONE - t));
+                let least = F::from_f64(LEAST_CHANCE);
+                let share = top / (top + base).max(F::from_f64(1e-30));
+                view.chance = share.max(least).min(F::ONE - least);
             }
+            let tau = absorbing.then(|| (tau, F::ONE / self.layer_cosine(nv)));
+            view.diffuse = Some(Diffuse { scale, tau, rough, matt: false });
         }
         view
     }
@@ -248,13 +245,13 @@ pub struct Point<F, const N: usize> {
 
 /// What the base sends back.
 #[derive(Clone, Copy, Debug)]
-struct Diffuse<F, const N: usize> {
+struct Diffuse<'a, F, const N: usize> {
     /// All that does not depend on the light.
     scale: [F; N],
     /// Optical depth and `1/c2o`, if anything is absorbed.
     tau: Option<([F; N], F)>,
-    /// What the rough film reflects at all angles, if coupled.
-    row: Option<Row<F, N>>,
+    /// Where what the rough film lets through is, if coupled.
+    rough: Option<(&'a Table<F>, Place<F, N>)>,
     /// No film at all.
     matt: bool,
 }
@@ -270,7 +267,7 @@ pub struct View<'a, F, B, const N: usize> {
     /// Reflectance of the smooth film, if it is one.
     mirror: Option<[F; N]>,
     specular: bool,
-    diffuse: Option<Diffuse<F, N>>,
+    diffuse: Option<Diffuse<'a, F, N>>,
     /// Probability that the film is sampled.
     chance: F,
 }
@@ -292,7 +289,7 @@ pub struct Sample<F, const N: usize> {
 impl<F: Real, B: Bands<F, N>, const N: usize> View<'_, F, B, N> {
     /// BRDF without the cosine, 1/sr, and the density of [`View::sample`]; both without a mirror's part. 0 below the
     /// horizon, but for a [`Base`] that wraps: there, too, light is `f |wi.z|`. Never negative; no NaN for unit vectors.
-    #[inline]
+    #[inline(always)]
     pub fn eval_pdf(&self, wi: [F; 3]) -> ([F; N], F) {
         let (mut f, mut pdf) = ([F::ZERO; N], F::ZERO);
         let (nl, nv) = (wi[2], self.wo[2]);
@@ -337,18 +334,19 @@ impl<F: Real, B: Bands<F, N>, const N: usize> View<'_, F, B, N> {
     }
 
     /// BRDF without the cosine, 1/sr; a mirror's part is not in it.
-    #[inline]
+    #[inline(always)]
     pub fn eval(&self, wi: [F; 3]) -> [F; N] {
         self.eval_pdf(wi).0
     }
 
     /// Density of [`View::sample`], 1/sr; a mirror's part is not in it.
-    #[inline]
+    #[inline(always)]
     pub fn pdf(&self, wi: [F; 3]) -> F {
         self.eval_pdf(wi).1
     }
 
     /// A direction by three uniform numbers in [0, 1); `None` where the light ends.
+    #[inline(always)]
     pub fn sample(&self, random: [F; 3]) -> Option<Sample<F, N>> {
         let wo = self.wo;
         let wi = if random[0] < self.chance {
@@ -371,7 +369,7 @@ impl<F: Real, B: Bands<F, N>, const N: usize> View<'_, F, B, N> {
 
     /// Part of the base.
     #[inline(always)]
-    fn base(&self, diffuse: &Diffuse<F, N>, nl: F) -> [F; N] {
+    fn base(&self, diffuse: &Diffuse<'_, F, N>, nl: F) -> [F; N] {
         let mut f = diffuse.scale;
         if diffuse.matt {
             return f;
@@ -379,8 +377,8 @@ impl<F: Real, B: Bands<F, N>, const N: usize> View<'_, F, B, N> {
         // Wrapped forms are of light times cosine; the cosine is divided out here, and comes back with the light.
         let wraps = self.layers.constants.base.wraps();
         let entering = if wraps { (F::ONE + nl) * F::from_f64(0.5) } else { nl };
-        let through = match &diffuse.row {
-            Some(row) => self.layers.table(B::RGB).transmittance(row, entering),
+        let through = match &diffuse.rough {
+            Some((table, place)) => table.transmittance(place, entering),
             None => self.bands.transmittance(&self.film, entering),
         };
         for i in 0..N {
@@ -442,6 +440,7 @@ fn dot<F: Real>(a: [F; 3], b: [F; 3]) -> F {
 }
 
 /// A direction with density `(1 + z)/(4 pi)`: `(1 + z)^2/4` is even in [0, 1).
+#[inline(always)]
 fn wrapped_sphere<F: Real>(random: [F; 2]) -> [F; 3] {
     let root = random[0].safe_sqrt();
     let z = root + root - F::ONE;
@@ -452,6 +451,7 @@ fn wrapped_sphere<F: Real>(random: [F; 2]) -> [F; 3] {
 }
 
 /// A direction with density `cos/pi`: a point of the disc, lifted (Malley's method).
+#[inline(always)]
 fn cosine_hemisphere<F: Real>(random: [F; 2]) -> [F; 3] {
     let radius = random[0].safe_sqrt();
     let (sin, cos) = (random[1] - F::from_f64(0.5)).sin_cos_half_turns();

@@ -108,17 +108,19 @@ impl<F: Real> Film<F> {
     }
 
     /// The same film with another thickness, nm, limited to 0 to [`MAX_THICKNESS_NM`]; NaN is 0.
-    #[inline]
+    #[inline(always)]
     pub fn with_thickness(self, thickness_nm: F) -> Self {
         Self { d: thickness_nm.max(F::ZERO).min(F::from_f64(MAX_THICKNESS_NM)), ..self }
     }
 
     /// Indices n0, n1, n2.
+    #[inline(always)]
     pub fn indices(&self) -> [F; 3] {
         [self.n0, self.n1, self.n2]
     }
 
     /// Thickness, nm.
+    #[inline(always)]
     pub fn thickness_nm(&self) -> F {
         self.d
     }
@@ -152,7 +154,7 @@ impl<F: Real> Film<F> {
     }
 
     /// Everything that does not depend on the wavelength.
-    #[inline]
+    #[inline(always)]
     pub(super) fn incidence(&self, cosine: F) -> Incidence<F> {
         let Self { n0, n1, n2, d } = *self;
         if d == F::ZERO || n0 == n1 || n1 == n2 {
@@ -205,7 +207,7 @@ impl<F: Real> Incidence<F> {
         let (y, rest, of) = match *self {
             Self::Gray(power) => return [of(power); N],
             Self::Film { y, rest, frustrated: false, of } if y > F::ZERO => (y, rest, of),
-            Self::Film { .. } => return wavelengths_nm.map(|l| of(self.power(d, l))),
+            Self::Film { .. } => return self.frustrated::<N, REFLECTED>(d, wavelengths_nm),
         };
         let over = F::ONE / y;
         // Coefficients of cos^2 and sin^2 in the numerator and the denominator.
@@ -226,6 +228,17 @@ impl<F: Real> Incidence<F> {
             out[i] = ((rs + rp) * half).min(F::ONE);
         }
         out
+    }
+
+    /// The same beyond the critical angle of the film: rare, and kept out of the way.
+    #[cold]
+    #[inline(never)]
+    fn frustrated<const N: usize, const REFLECTED: bool>(&self, d: F, wavelengths_nm: &[F; N]) -> [F; N] {
+        wavelengths_nm.map(|l| {
+            let power = self.power(d, l);
+            let of = |p: Power<F>| if REFLECTED { p.reflected } else { p.transmitted };
+            (of(power.s) + of(power.p)) * F::from_f64(0.5)
+        })
     }
 
     /// Power at one wavelength, nm, of a film of thickness `d`, nm.
