@@ -137,7 +137,7 @@ impl Scale {
             for m in [1u32, 2, 5] {
                 let v = f64::from(m) * libm::pow(10.0, f64::from(e));
                 if (self.low..=self.high).contains(&libm::log10(v)) {
-                    let small = e < 0 || e > 3;
+                    let small = !(0..=3).contains(&e);
                     ticks.push((v, if small { format!("{m}e{e}") } else { format!("{}", v.round()) }));
                 }
             }

@@ -48,7 +48,7 @@ impl Curve {
         }
         let distances = cumulative(points);
         let length = length.min(*distances.last()?);
-        if !(length > 0.0) {
+        if length.is_nan() || length <= 0.0 {
             return None;
         }
         let step = length / (SAMPLES - 1) as f64;

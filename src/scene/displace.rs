@@ -131,18 +131,20 @@ pub(super) fn smooth_normals(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::swatch::Form;
+    use crate::scene::plain;
 
     const TILE: [f32; 2] = [60.0, 90.0];
 
     #[test]
     fn a_constant_height_makes_a_greater_sphere() {
-        let sphere = Form::Sphere.mesh(48, TILE).unwrap();
+        let sphere = plain::capsule(0.0, 4608, TILE).unwrap();
+        let middle = Vec3::Y * 0.5;
         let unit = TILE[0] / std::f32::consts::PI;
         let out = displace(&sphere, &Plane::filled(4, 4, 0.2 * unit), 0.5, unit).unwrap();
         out.check().unwrap();
         assert!(out.is_closed());
         for (p, n) in out.positions.iter().zip(&out.normals) {
+            let p = *p - middle;
             assert!((p.length() - 0.6).abs() < 1e-4, "{p}");
             assert!(n.dot(p.normalize()) > 0.998);
         }
@@ -150,8 +152,8 @@ mod tests {
 
     #[test]
     fn a_wave_has_the_normals_of_its_slope() {
-        // Height a cos(2 pi 2 u) on a plane whose u runs 1/pi a unit: slope 4 a sin by the unit of length.
-        let plane = Form::Plane.mesh(256, TILE).unwrap();
+        // Height a cos(2 pi 2 u) on a tile pi wide: slope 4 a sin by the unit of length.
+        let plane = plain::tile(400_000, TILE).unwrap();
         let (unit, a) = (TILE[0] / std::f32::consts::PI, 0.05f32);
         let cosine = |x: f64| (std::f64::consts::TAU * 2.0 * x).cos() as f32;
         let map = Plane::from_fn(512, 2, |x, _| a * unit * cosine((x as f64 + 0.5) / 512.0));
@@ -159,10 +161,10 @@ mod tests {
         let mut steepest = 0f32;
         for ((p, n), uv) in out.positions.iter().zip(&out.normals).zip(&out.uvs) {
             let phase = 4.0 * std::f32::consts::PI * uv.x;
-            assert!((p.y - a * phase.cos()).abs() < 1e-4);
+            assert!((p.z - a * phase.cos()).abs() < 1e-4);
             let slope = 4.0 * a * phase.sin();
-            if p.x.abs() < 0.49 {
-                assert!((n.x / n.y - slope).abs() < 4e-3, "{} {slope}", n.x / n.y);
+            if p.x.abs() < 1.55 {
+                assert!((n.x / n.z - slope).abs() < 4e-3, "{} {slope}", n.x / n.z);
                 steepest = steepest.max(slope.abs());
             }
         }
@@ -177,7 +179,7 @@ mod tests {
 
     #[test]
     fn what_is_not_finite_is_refused() {
-        let plane = Form::Plane.mesh(4, TILE).unwrap();
+        let plane = plain::tile(32, TILE).unwrap();
         let zero = Plane::filled(1, 1, 0.0);
         assert_eq!(displace(&plane, &zero, f32::NAN, 1.0), Err(DisplaceError::NotFinite));
         assert_eq!(displace(&plane, &zero, 1.0, 0.0), Err(DisplaceError::NotFinite));

@@ -58,13 +58,8 @@ pub fn obj(bytes: &[u8]) -> Result<Mesh, ImportError> {
     if let Some(line) = wild_index(bytes) {
         return Err(damaged(format!("an index in line {line} is out of range")));
     }
-    let options = tobj::LoadOptions {
-        single_index: true,
-        triangulate: true,
-        ignore_points: true,
-        ignore_lines: true,
-        ..Default::default()
-    };
+    let options =
+        tobj::LoadOptions { single_index: true, triangulate: true, ignore_points: true, ignore_lines: true };
     let (models, _) = tobj::load_obj_buf(&mut &*bytes, &options, |_| Err(tobj::LoadError::OpenFileFailed))
         .map_err(|error| damaged(error.to_string()))?;
     let mut parts = Parts::default();
@@ -276,7 +271,9 @@ impl Parts {
                 return Err(MeshError::Index { triangle, vertex, vertices }.into());
             }
         }
-        if let Some(vertex) = part.positions.iter().position(|p| !(p.abs().max_element() < 1e12)) {
+        if let Some(vertex) =
+            part.positions.iter().position(|p| !p.is_finite() || p.abs().max_element() >= 1e12)
+        {
             return Err(MeshError::NotFinite(first + vertex).into());
         }
         let usable = part.normals.len() == vertices

@@ -6,7 +6,7 @@
 //! | [`Mesh`] | triangles with normals, tangents and texture coordinates |
 //! | [`Material`], [`SkinMaps`] | what a surface is made of |
 //! | [`Snake`], [`Pose`] | the animal's form: how it lies, swept to a mesh |
-//! | [`swatch`], [`import`] | plain forms, and meshes of one's own |
+//! | [`import`] | meshes of one's own |
 //! | [`displace`], [`tangents`] | a height map moves vertices; tangents by MikkTSpace |
 //! | [`Camera`], [`Light`] | where from, and by what light |
 //! | [`Environment`], [`sky`], [`studio`] | what is all around, and how it is sampled |
@@ -34,7 +34,6 @@ pub mod sky;
 pub mod snake;
 pub mod spec;
 pub mod studio;
-pub mod swatch;
 pub mod tangents;
 pub mod tone;
 

@@ -189,17 +189,18 @@ fn laid(drawing: &[DVec2], length: f64, extent: &dyn Fn(f64) -> Extent) -> Vec<D
 /// A smooth curve over `lifts`: the greatest within [`RISE`], averaged over the same window, so never below.
 fn eased(lifts: &[f64]) -> Vec<f64> {
     let half = (RISE / STEP) as i64;
-    let window = |values: &[f64], f: &dyn Fn(&mut dyn Iterator<Item = (i64, f64)>) -> f64| -> Vec<f64> {
+    let window = |values: &[f64], f: &dyn Fn(&[f64]) -> f64| -> Vec<f64> {
         let last = values.len() as i64 - 1;
         let at = |i: i64| values[i.max(0).min(last) as usize];
-        (0..=last).map(|i| f(&mut (-half..=half).map(|k| (k, at(i + k))))).collect()
+        (0..=last).map(|i| f(&(-half..=half).map(|k| at(i + k)).collect::<Vec<f64>>())).collect()
     };
-    let greatest = window(lifts, &|near| near.fold(0.0, |most: f64, (_, lift)| most.max(lift)));
+    let greatest = window(lifts, &|near| near.iter().copied().fold(0.0, f64::max));
     // Weights (1 - x^2)^2: the mean has two continuous derivatives.
     let weight = |k: i64| {
         let x = k as f64 / (half as f64 + 1.0);
         (1.0 - x * x) * (1.0 - x * x)
     };
-    let total: f64 = (-half..=half).map(weight).sum();
-    window(&greatest, &|near| near.map(|(k, lift)| weight(k) * lift).sum::<f64>() / total)
+    let weights: Vec<f64> = (-half..=half).map(weight).collect();
+    let total: f64 = weights.iter().sum();
+    window(&greatest, &|near| near.iter().zip(&weights).map(|(lift, w)| w * lift).sum::<f64>() / total)
 }
