@@ -17,6 +17,7 @@ mod path;
 mod render;
 mod sampler;
 mod settings;
+mod silhouette;
 mod skin;
 mod surface;
 

@@ -2,9 +2,9 @@
 
 use glam::Vec3;
 
-use super::bvh::Bvh;
+use super::bvh::{Bvh, Hit};
 use super::film::Pixel;
-use super::lights::Lights;
+use super::lights::{Found, Lights};
 use super::sampler::Sampler;
 use super::settings::{Settings, Technique};
 use super::skin::Skins;
@@ -28,13 +28,28 @@ pub(super) struct World<'a> {
 }
 
 impl World<'_> {
-    /// Radiance along a ray, in every band, by a random path; what is met first is added to `pixel`.
+    /// What a ray from the eye meets: an object, or light, whose colour needs no wavelengths. `objects` is false where it is
+    /// known to meet none.
+    #[inline(always)]
+    pub(super) fn first(&self, origin: Vec3, direction: Vec3, objects: bool) -> Result<Hit, [f32; 3]> {
+        let hit = if objects { self.bvh.first_hit(origin, direction, f32::INFINITY) } else { None };
+        let limit = hit.map_or(f32::INFINITY, |h| h.distance);
+        if let Some(found) = self.lights.hit(origin, direction, limit, false) {
+            return Err(found.radiance.0);
+        }
+        hit.ok_or_else(|| {
+            let far = self.lights.far(direction, false);
+            far.fold([0.0; 3], |sum, found| std::array::from_fn(|c| sum[c] + found.radiance.0[c]))
+        })
+    }
+
+    /// Radiance that an object sends back along a ray, in every band, by a random path; what is met is added to `pixel`.
     ///
     /// At each surface one light is asked and one direction followed (Kajiya 1986; Veach 1997, 9.2.4 and 10.2).
     #[inline(always)]
     pub(super) fn radiance<B: Bands<f32, N>, const N: usize>(
         &self,
-        mut origin: Vec3,
+        mut hit: Hit,
         mut direction: Vec3,
         channels: &Channels<B, N>,
         sampler: &mut Sampler,
@@ -47,34 +62,10 @@ impl World<'_> {
         let clamp = |indirect: bool| self.settings.clamp.filter(|_| indirect);
         let mut radiance = [0.0; N];
         let mut throughput = [1.0; N];
-        // Density of the direction that is followed; infinite where no light can be asked for it.
-        let mut pdf = f32::INFINITY;
         let mut bounce = 0;
-        loop {
-            let hit = self.bvh.first_hit(origin, direction, f32::INFINITY);
-            let limit = hit.map_or(f32::INFINITY, |h| h.distance);
-            let asked = pdf < f32::INFINITY && technique == Technique::Mis;
-            if let Some(found) = self.lights.hit(origin, direction, limit, asked) {
-                let weight = technique.weight_met(pdf, found.pdf);
-                add(&mut radiance, &throughput, &channels.of(found.radiance.0), weight, clamp(bounce > 1));
-                return radiance;
-            }
-            if hit.is_none() || (ghostly && bounce > 0) {
-                for found in self.lights.far(direction, asked) {
-                    let weight = technique.weight_met(pdf, found.pdf);
-                    add(
-                        &mut radiance,
-                        &throughput,
-                        &channels.of(found.radiance.0),
-                        weight,
-                        clamp(bounce > 1),
-                    );
-                }
-                return radiance;
-            }
-            let Some(hit) = hit.filter(|_| bounce < bounces) else { return radiance };
-            let point =
-                Point::new(self.scene, self.vertices, &hit, direction, self.settings.stage.has_bumps());
+        while bounce < bounces {
+            let bumps = self.settings.stage.has_bumps();
+            let point = Point::new(self.scene, self.vertices, &hit, direction, bumps);
             if bounce == 0 {
                 point.record(pixel);
             }
@@ -117,7 +108,8 @@ impl World<'_> {
             }
             let scale = sample.wi[2].abs() / sample.pdf;
             throughput = std::array::from_fn(|i| throughput[i] * sample.f[i] * scale);
-            pdf = if sample.delta { f32::INFINITY } else { sample.pdf };
+            // Infinite where no light can be asked for it.
+            let pdf = if sample.delta { f32::INFINITY } else { sample.pdf };
             bounce += 1;
             if bounce >= ROULETTE_FROM {
                 let survive = throughput.iter().fold(0.0f32, |a, &b| a.max(b)).min(0.95);
@@ -126,8 +118,29 @@ impl World<'_> {
                 }
                 throughput = throughput.map(|t| t / survive);
             }
-            origin = lift(point.position, point.normal, direction);
+
+            let origin = lift(point.position, point.normal, direction);
+            let next = self.bvh.first_hit(origin, direction, f32::INFINITY);
+            let limit = next.map_or(f32::INFINITY, |h| h.distance);
+            let asked = pdf < f32::INFINITY && technique == Technique::Mis;
+            let mut met = |found: Found| {
+                let weight = technique.weight_met(pdf, found.pdf);
+                let light = channels.of(found.radiance.0);
+                add(&mut radiance, &throughput, &light, weight, clamp(bounce > 1));
+            };
+            if let Some(found) = self.lights.hit(origin, direction, limit, asked) {
+                met(found);
+                return radiance;
+            }
+            match next {
+                Some(next) if !ghostly => hit = next,
+                _ => {
+                    self.lights.far(direction, asked).for_each(met);
+                    return radiance;
+                }
+            }
         }
+        radiance
     }
 }
 

@@ -12,6 +12,7 @@ use super::lights::Lights;
 use super::path::{Channels, World};
 use super::sampler::Sampler;
 use super::settings::{Settings, Transport};
+use super::silhouette;
 use super::skin::Skins;
 use super::surface::{Vertex, vertices};
 use crate::base::simd;
@@ -145,6 +146,7 @@ impl<'a> Renderer<'a> {
             settings,
         };
         let eye = self.scene.camera.view(settings.width as f32 / settings.height as f32);
+        let silhouette = silhouette::pixels(self.scene, &eye, [film.width, film.height]);
         let mut tiles = Tile::all(film);
         let total = film.pixels.len() as u64 * u64::from(samples.end.saturating_sub(samples.start));
         let done = AtomicU64::new(0);
@@ -156,7 +158,7 @@ impl<'a> Renderer<'a> {
                 if control.cancelled() {
                     return;
                 }
-                tile.trace(&world, &eye, &channels, pass.clone());
+                tile.trace(&world, &eye, silhouette.as_deref(), &channels, pass.clone());
                 let count = tile.pixels.len() as u64 * u64::from(pass.end - pass.start);
                 let sum = done.fetch_add(count, Ordering::Relaxed) + count;
                 if let Some(progress) = control.progress {
@@ -202,6 +204,7 @@ impl Tile {
         &mut self,
         world: &World<'_>,
         eye: &View,
+        silhouette: Option<&[bool]>,
         channels: &impl Fn(f32) -> C,
         samples: Range<u32>,
     ) {
@@ -212,18 +215,19 @@ impl Tile {
                 tile: &mut Tile,
                 world: &World<'_>,
                 eye: &View,
+                silhouette: Option<&[bool]>,
                 channels: &impl Fn(f32) -> C,
                 samples: Range<u32>,
             ) {
-                tile.trace_any(world, eye, channels, samples);
+                tile.trace_any(world, eye, silhouette, channels, samples);
             }
             if simd::level() >= simd::Level::Avx2 {
                 // SAFETY: this level is in use only where `simd::detected` found exactly these features.
                 #[allow(unsafe_code, reason = "see above: measured")]
-                return unsafe { avx2(self, world, eye, channels, samples) };
+                return unsafe { avx2(self, world, eye, silhouette, channels, samples) };
             }
         }
-        self.trace_any(world, eye, channels, samples);
+        self.trace_any(world, eye, silhouette, channels, samples);
     }
 
     #[inline(always)]
@@ -231,12 +235,14 @@ impl Tile {
         &mut self,
         world: &World<'_>,
         eye: &View,
+        silhouette: Option<&[bool]>,
         channels: &impl Fn(f32) -> C,
         samples: Range<u32>,
     ) {
         let Settings { width, height, seed, sampler: kind, .. } = *world.settings;
         for (i, pixel) in self.pixels.iter_mut().enumerate() {
             let place = [self.x + i % self.width, self.y + i / self.width];
+            let objects = silhouette.is_none_or(|s| s[place[1] * width + place[0]]);
             for index in samples.clone() {
                 let mut sampler = Sampler::new(kind, seed, place.map(|p| p as u32), index);
                 let u = sampler.next();
@@ -244,11 +250,16 @@ impl Tile {
                 let y = (place[1] as f32 + u[1]) / height as f32;
                 // A pinhole leaves a number over for the wavelengths; a lens wants two of its own.
                 let lens = if eye.aperture > 0.0 { sampler.next() } else { [0.5; 4] };
-                let channels = channels(u[2]);
                 let (origin, direction) = eye.ray(x, y, [lens[0], lens[1]]);
-                let channels = channels.borrow();
-                let radiance = world.radiance(origin, direction, channels, &mut sampler, pixel);
-                pixel.add(channels.rgb(radiance));
+                let rgb = match world.first(origin, direction, objects) {
+                    Err(rgb) => rgb,
+                    Ok(hit) => {
+                        let channels = channels(u[2]);
+                        let channels = channels.borrow();
+                        channels.rgb(world.radiance(hit, direction, channels, &mut sampler, pixel))
+                    }
+                };
+                pixel.add(rgb);
             }
         }
     }
