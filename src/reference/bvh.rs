@@ -59,7 +59,7 @@ impl Bvh {
         let tree = if corners.is_empty() {
             CwBvh::default()
         } else {
-            build_cwbvh_from_tris(&corners, BvhBuildParams::medium_build(), &mut Duration::default())
+            build_cwbvh_from_tris(&corners, BvhBuildParams::slow_build(), &mut Duration::default())
         };
         let order = &tree.primitive_indices;
         Self {
