@@ -1,6 +1,6 @@
 //! The bands that a BRDF is computed in: red, green and blue, or N wavelengths.
 
-use super::film_color::FilmColor;
+use super::film_color::{BEST_NM, FilmColor};
 use super::real::Real;
 use super::spectrum;
 use super::thin_film::{Film, WAVELENGTH_RANGE_NM};
@@ -24,6 +24,16 @@ pub trait Bands<F: Real, const N: usize> {
 
     /// Thickness in fringes at normal incidence, `2 n1 d/lambda`, for each band: the axis of the tables.
     fn fringes(&self, film: &Film<F>) -> [F; N];
+
+    /// A wavelength that stands for each band, nm.
+    fn wavelengths_nm(&self) -> [F; N];
+
+    /// The wavelengths that [`Bands::each`] asks for, nm, by their number; `None` beyond the last.
+    fn node_nm(&self, number: usize) -> Option<F>;
+
+    /// What a quantity of the wavelength, nm, is in each band: for colours a sum over 32 even wavelengths, which can be a
+    /// little negative.
+    fn each(&self, at: impl FnMut(F) -> F) -> [F; N];
 }
 
 /// Wavelength that stands for all in [`Bands::fringes`] of colours, nm.
@@ -47,6 +57,21 @@ impl<F: Real> Bands<F, 3> for FilmColor<F> {
     #[inline(always)]
     fn fringes(&self, film: &Film<F>) -> [F; 3] {
         [fringes(film, F::from_f64(1.0 / RGB_NM)); 3]
+    }
+
+    fn wavelengths_nm(&self) -> [F; 3] {
+        BEST_NM.map(F::from_f64)
+    }
+
+    fn node_nm(&self, number: usize) -> Option<F> {
+        self.uniform.get(number).map(|(l, _)| *l)
+    }
+
+    fn each(&self, mut at: impl FnMut(F) -> F) -> [F; 3] {
+        self.uniform.iter().fold([F::ZERO; 3], |sum, (l, weights)| {
+            let value = at(*l);
+            std::array::from_fn(|c| sum[c] + weights[c] * value)
+        })
     }
 }
 
@@ -104,5 +129,20 @@ impl<F: Real, const N: usize> Bands<F, N> for Spectral<F, N> {
     #[inline(always)]
     fn fringes(&self, film: &Film<F>) -> [F; N] {
         self.inverse.map(|inverse| fringes(film, inverse))
+    }
+
+    #[inline(always)]
+    fn wavelengths_nm(&self) -> [F; N] {
+        self.wavelengths_nm
+    }
+
+    #[inline(always)]
+    fn node_nm(&self, number: usize) -> Option<F> {
+        self.wavelengths_nm.get(number).copied()
+    }
+
+    #[inline(always)]
+    fn each(&self, at: impl FnMut(F) -> F) -> [F; N] {
+        self.wavelengths_nm.map(at)
     }
 }

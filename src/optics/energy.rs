@@ -165,7 +165,7 @@ fn exponential_integral_3(y: f64) -> f64 {
 }
 
 mod table;
-pub(super) use table::{Leaving, Place, Table};
+pub(super) use table::{Place, Table, cubic};
 
 #[cfg(test)]
 mod tests;

@@ -21,8 +21,9 @@ use super::bands::Bands;
 use super::base_layer::Base;
 use super::energy::{Place, Table};
 use super::ggx;
+use super::grating::{Grating, Ridges};
 use super::real::Real;
-use super::thin_film::{Film, FilmError};
+use super::thin_film::{Film, FilmError, MAX_DISPERSION_NM2};
 
 /// Roughness below which the film is a mirror: the lobe would be narrower than f32 can tell.
 pub const LEAST_ROUGHNESS: f64 = 0.01;
@@ -44,6 +45,10 @@ pub struct Constants {
     pub energy: Energy,
     /// What is below the layers.
     pub base: Base,
+    /// Cauchy coefficients of film and layer, nm^2; indices are those at 589.3 nm. See [`Film::dispersed`].
+    pub dispersion_nm2: [f32; 2],
+    /// Ridges of the surface.
+    pub grating: Option<Grating>,
 }
 
 impl Default for Constants {
@@ -55,6 +60,8 @@ impl Default for Constants {
             albedo: Albedo::Apparent,
             energy: Energy::Flat,
             base: Base::Lambert,
+            dispersion_nm2: [0.0; 2],
+            grating: None,
         }
     }
 }
@@ -101,13 +108,22 @@ pub struct Layers<F> {
     double: Film<f64>,
     /// `(n0/n2)^2`.
     eta: F,
+    /// Cauchy coefficients, if one is not 0.
+    dispersion_nm2: Option<[F; 2]>,
+    /// Ridges, if they have a height.
+    ridges: Option<Ridges<F>>,
     /// Of wavelengths and of colours.
     tables: [OnceLock<Table<F>>; 2],
 }
 
 impl<F: Real> Layers<F> {
-    /// Make a material ready; refused if an index is out of range.
+    /// Make a material ready; refused if an index, a coefficient or a size is out of range.
     pub fn new(constants: &Constants) -> Result<Self, FilmError> {
+        for value in constants.dispersion_nm2.map(f64::from) {
+            if !(-MAX_DISPERSION_NM2..=MAX_DISPERSION_NM2).contains(&value) {
+                return Err(FilmError::Dispersion { value });
+            }
+        }
         let [n0, n1, n2] = constants.indices.map(f64::from);
         let f = F::from_f64;
         Ok(Self {
@@ -115,6 +131,9 @@ impl<F: Real> Layers<F> {
             film: Film::new(f(n0), f(n1), f(n2), F::ZERO)?,
             double: Film::new(n0, n1, n2, 0.0)?,
             eta: f((n0 / n2) * (n0 / n2)),
+            dispersion_nm2: (constants.dispersion_nm2 != [0.0; 2])
+                .then(|| constants.dispersion_nm2.map(|b| f(f64::from(b)))),
+            ridges: constants.grating.as_ref().map(Ridges::new).transpose()?.flatten(),
             tables: [OnceLock::new(), OnceLock::new()],
         })
     }
@@ -133,7 +152,63 @@ impl<F: Real> Layers<F> {
     #[inline(always)]
     fn table(&self, rgb: bool) -> &Table<F> {
         let rough = self.constants.energy == Energy::Coupled;
-        self.tables[usize::from(rgb)].get_or_init(|| Table::new(&self.double, rgb, rough))
+        let dispersion = self.dispersion_nm2.map(|b| b.map(F::to_f64));
+        self.tables[usize::from(rgb)].get_or_init(|| Table::new(&self.double, dispersion, rgb, rough))
+    }
+
+    /// What the film reflects, in each band.
+    #[inline(always)]
+    fn reflectance<B: Bands<F, N>, const N: usize>(&self, bands: &B, film: &Film<F>, cosine: F) -> [F; N] {
+        match self.dispersion_nm2 {
+            None => bands.reflectance(film, cosine),
+            Some(b) => dispersed::<F, B, N, true>(bands, film, b, cosine),
+        }
+    }
+
+    /// What it does not reflect.
+    #[inline(always)]
+    fn transmittance<B: Bands<F, N>, const N: usize>(&self, bands: &B, film: &Film<F>, cosine: F) -> [F; N] {
+        match self.dispersion_nm2 {
+            None => bands.transmittance(film, cosine),
+            Some(b) => dispersed::<F, B, N, false>(bands, film, b, cosine),
+        }
+    }
+
+    /// Thickness in fringes.
+    #[inline(always)]
+    fn fringes<B: Bands<F, N>, const N: usize>(&self, bands: &B, film: &Film<F>) -> [F; N] {
+        match self.dispersion_nm2 {
+            // The tables of colours are by the index as given.
+            Some(b) if !B::RGB => bands.wavelengths_nm().map(|l| {
+                let path = film.dispersed(b, l).indices()[1] * film.thickness_nm();
+                (path + path) / l
+            }),
+            _ => bands.fringes(film),
+        }
+    }
+
+    /// `(n0/n2)^2`.
+    #[inline(always)]
+    fn eta<B: Bands<F, N>, const N: usize>(&self, bands: &B) -> [F; N] {
+        self.dispersion_nm2.map_or([self.eta; N], |b| {
+            bands.wavelengths_nm().map(|l| {
+                let [n0, _, n2] = self.film.dispersed(b, l).indices();
+                (n0 / n2).squared()
+            })
+        })
+    }
+
+    /// `1/c2` of the layer: how much longer than its thickness the way through it is.
+    #[inline(always)]
+    fn way<B: Bands<F, N>, const N: usize>(&self, bands: &B, cosine: F) -> [F; N] {
+        let way = |film: &Film<F>| {
+            let [n0, _, n2] = film.indices();
+            F::ONE / cosine_in_layer(n0, n2, cosine)
+        };
+        match self.dispersion_nm2 {
+            None => [way(&self.film); N],
+            Some(b) => bands.wavelengths_nm().map(|l| way(&self.film.dispersed(b, l))),
+        }
     }
 
     /// Look at a point from `wo`.
@@ -147,10 +222,18 @@ impl<F: Real> Layers<F> {
     ) -> View<'a, F, B, N> {
         let film = self.film.with_thickness(point.thickness_nm);
         let nv = wo[2].saturate();
-        let mirror = point.roughness.max(F::ZERO) < F::from_f64(LEAST_ROUGHNESS);
-        let alpha = if mirror { F::ZERO } else { ggx::alpha(point.roughness) };
+        // A NaN is 0; ridges are never mirrors.
+        let smooth = point.roughness.max(F::ZERO) < F::from_f64(LEAST_ROUGHNESS);
+        let mirror = smooth && self.ridges.is_none();
+        let roughness = match (smooth, mirror) {
+            (_, true) => F::ZERO,
+            (true, false) => F::from_f64(LEAST_ROUGHNESS),
+            (false, false) => point.roughness,
+        };
+        let alpha = ggx::alpha(roughness);
         let [n0, n1, n2] = film.indices();
-        let interface = n0 != n2 || (n1 != n0 && film.thickness_nm() > F::ZERO);
+        let interface =
+            self.dispersion_nm2.is_some() || n0 != n2 || (n1 != n0 && film.thickness_nm() > F::ZERO);
         let mut view = View {
             bands,
             layers: self,
@@ -173,7 +256,7 @@ impl<F: Real> Layers<F> {
             return view;
         }
         if mirror && view.specular {
-            view.mirror = Some(bands.reflectance(&film, nv));
+            view.mirror = Some(self.reflectance(bands, &film, nv));
         }
         view.chance = if view.specular { F::ONE } else { F::ZERO };
         let tau = point.absorption.map(|t| t.max(F::ZERO));
@@ -182,15 +265,15 @@ impl<F: Real> Layers<F> {
             let absorbing = tau.iter().any(|t| *t > F::ZERO);
             let table = self.table(B::RGB);
             // Unlike the direct formula the table is for films without number: at thickness 0 all bands are one.
-            let roughness = if mirror { F::ZERO } else { point.roughness };
-            let place = table.place(roughness, bands.fringes(&film));
+            let place = table.place(roughness, self.fringes(bands, &film), bands.wavelengths_nm());
             let rough = (self.constants.energy == Energy::Coupled && !mirror).then_some((table, place));
             let through = match &rough {
                 Some((table, place)) => table.transmittance(place, nv),
-                None => bands.transmittance(&film, nv),
+                None => self.transmittance(bands, &film, nv),
             };
             let leaving = table.leaving(&place);
             let lost = if absorbing { table.lost(&leaving, tau) } else { leaving.clear };
+            let (eta, out) = (self.eta(bands), self.way(bands, nv));
             let mut scale = [F::ZERO; N];
             for i in 0..N {
                 // kd/(1 - kd rho), with kd = a/((1 - rho0) + a rho0) multiplied out, all in 1 - rho.
@@ -199,7 +282,7 @@ impl<F: Real> Layers<F> {
                     Albedo::Apparent => clear + a * (lost[i] - clear),
                     Albedo::Intrinsic => (F::ONE - a) + a * lost[i],
                 };
-                let factor = self.eta * F::from_f64(FRAC_1_PI) * a * through[i];
+                let factor = eta[i] * F::from_f64(FRAC_1_PI) * a * through[i];
                 scale[i] = if below > F::ZERO { factor / below } else { F::ZERO };
             }
             if view.specular {
@@ -207,8 +290,7 @@ impl<F: Real> Layers<F> {
                 let mut share = leaving.clear;
                 (0..N).for_each(|i| share[i] = share[i] * scale[i]);
                 if absorbing {
-                    let way = F::ONE / self.layer_cosine(nv) + F::ONE;
-                    (0..N).for_each(|i| share[i] = share[i] * (tau[i] * way).decay());
+                    (0..N).for_each(|i| share[i] = share[i] * (tau[i] * (out[i] + F::ONE)).decay());
                 }
                 let base = mean(share) * F::from_f64(PI) / self.eta;
                 let top = mean(through.map(|t| F::ONE - t));
@@ -216,18 +298,26 @@ impl<F: Real> Layers<F> {
                 let share = top / (top + base).max(F::from_f64(1e-30));
                 view.chance = share.max(least).min(F::ONE - least);
             }
-            let tau = absorbing.then(|| (tau, F::ONE / self.layer_cosine(nv)));
+            let tau = absorbing.then_some((tau, out));
             view.diffuse = Some(Diffuse { scale, tau, rough, matt: false });
         }
         view
     }
+}
 
-    /// Cosine in the layer.
-    #[inline(always)]
-    fn layer_cosine(&self, cosine: F) -> F {
-        let [n0, _, n2] = self.film.indices();
-        cosine_in_layer(n0, n2, cosine)
-    }
+/// What a dispersive film reflects or transmits, in each band.
+#[inline(never)]
+fn dispersed<F: Real, B: Bands<F, N>, const N: usize, const REFLECTED: bool>(
+    bands: &B,
+    film: &Film<F>,
+    dispersion_nm2: [F; 2],
+    cosine: F,
+) -> [F; N] {
+    let at = |l: F| {
+        let power = film.dispersed(dispersion_nm2, l).power(cosine, l);
+        if REFLECTED { power.reflected } else { power.transmitted }
+    };
+    bands.each(at).map(F::saturate)
 }
 
 /// What a point of the surface has of its own.
@@ -249,7 +339,7 @@ struct Diffuse<'a, F, const N: usize> {
     /// All that does not depend on the light.
     scale: [F; N],
     /// Optical depth and `1/c2o`, if anything is absorbed.
-    tau: Option<([F; N], F)>,
+    tau: Option<([F; N], [F; N])>,
     /// Where what the rough film lets through is, if coupled.
     rough: Option<(&'a Table<F>, Place<F, N>)>,
     /// No film at all.
@@ -297,20 +387,11 @@ impl<F: Real, B: Bands<F, N>, const N: usize> View<'_, F, B, N> {
             return (f, pdf);
         }
         if self.specular && self.mirror.is_none() && nl > F::ZERO {
-            // With less f32 would overflow, and have no half vector.
-            let grazing = F::from_f64(1e-7);
-            let (nl, nv) = (nl.max(grazing), nv.max(grazing));
-            let sum = [wi[0] + self.wo[0], wi[1] + self.wo[1], nl + nv];
-            let over = F::ONE / dot(sum, sum).safe_sqrt();
-            let half = sum.map(|s| s * over);
-            let density = ggx::density_at(self.alpha, half);
-            let lobe = density * ggx::visibility(self.alpha, nl, nv);
-            let r = self.bands.reflectance(&self.film, dot(self.wo, half));
-            for i in 0..N {
-                f[i] = lobe * r[i];
-            }
-            // Visible normals: G1 D v.h/nv, over 4 v.h for the reflected direction.
-            pdf = self.chance * density * F::from_f64(0.25) * ggx::masking(self.alpha, nv) / nv;
+            (f, pdf) = match &self.layers.ridges {
+                None => self.lobe(wi),
+                Some(ridges) => self.orders(ridges, wi),
+            };
+            pdf = pdf * self.chance;
         }
         if let Some(diffuse) = &self.diffuse {
             let base = self.base(diffuse, nl);
@@ -325,6 +406,51 @@ impl<F: Real, B: Bands<F, N>, const N: usize> View<'_, F, B, N> {
             pdf += (F::ONE - self.chance) * density;
         }
         (f, pdf)
+    }
+
+    /// Part of the film, without ridges, and its density.
+    #[inline(always)]
+    fn lobe(&self, wi: [F; 3]) -> ([F; N], F) {
+        // With less f32 would overflow, and have no half vector.
+        let grazing = F::from_f64(1e-7);
+        let (nl, nv) = (wi[2].max(grazing), self.wo[2].max(grazing));
+        let sum = [wi[0] + self.wo[0], wi[1] + self.wo[1], nl + nv];
+        let over = F::ONE / dot(sum, sum).safe_sqrt();
+        let half = sum.map(|s| s * over);
+        let density = ggx::density_at(self.alpha, half);
+        let lobe = density * ggx::visibility(self.alpha, nl, nv);
+        let r = self.layers.reflectance(self.bands, &self.film, dot(self.wo, half));
+        // Visible normals: G1 D v.h/nv, over 4 v.h for the reflected direction.
+        let pdf = density * F::from_f64(0.25) * ggx::masking(self.alpha, nv) / nv;
+        (r.map(|r| lobe * r), pdf)
+    }
+
+    /// Part of the film with ridges, and its density: the mean over wavelengths.
+    #[inline(never)]
+    fn orders(&self, ridges: &Ridges<F>, wi: [F; 3]) -> ([F; N], F) {
+        let grazing = F::from_f64(1e-7);
+        let raised = |w: [F; 3]| [w[0], w[1], w[2].max(grazing)];
+        let (wi, wo) = (raised(wi), raised(self.wo));
+        let sum: [F; 3] = std::array::from_fn(|k| wi[k] + wo[k]);
+        let facing = dot(wo, sum) / dot(sum, sum).safe_sqrt();
+        let (mut density, mut count) = (F::ZERO, F::ZERO);
+        let f = self.bands.each(|l| {
+            let (lobe, part) = ridges.lobe(l, self.alpha, wi, wo);
+            (density, count) = (density + part, count + F::ONE);
+            let film = self.layers.dispersion_nm2.map_or(self.film, |b| self.film.dispersed(b, l));
+            lobe * film.power(facing, l).reflected
+        });
+        (f.map(|f| f.max(F::ZERO)), density / count.max(F::ONE))
+    }
+
+    /// A direction by the ridges: a wavelength first, then an order and a microfacet.
+    #[inline(never)]
+    fn sample_orders(&self, ridges: &Ridges<F>, random: [F; 3]) -> Option<[F; 3]> {
+        let count = (0..).take_while(|i| self.bands.node_nm(*i).is_some()).count();
+        let place = (random[0] / self.chance).saturate() * F::from_f64(count as f64);
+        let number = place.whole().min(count.saturating_sub(1));
+        let rest = place - F::from_f64(number as f64);
+        ridges.sample(self.bands.node_nm(number)?, self.alpha, self.wo, [rest, random[1], random[2]])
     }
 
     /// Whether light from below the horizon counts.
@@ -355,9 +481,13 @@ impl<F: Real, B: Bands<F, N>, const N: usize> View<'_, F, B, N> {
                 let over = F::ONE / wo[2];
                 return Some(Sample { wi, f: r.map(|r| r * over), pdf: self.chance, delta: true });
             }
-            let half = ggx::sample_visible(self.alpha, wo, [random[1], random[2]]);
-            let twice = dot(wo, half) * F::from_f64(2.0);
-            std::array::from_fn(|i| twice * half[i] - wo[i])
+            if let Some(ridges) = &self.layers.ridges {
+                self.sample_orders(ridges, random)?
+            } else {
+                let half = ggx::sample_visible(self.alpha, wo, [random[1], random[2]]);
+                let twice = dot(wo, half) * F::from_f64(2.0);
+                std::array::from_fn(|i| twice * half[i] - wo[i])
+            }
         } else {
             self.diffuse.as_ref()?;
             let random = [random[1], random[2]];
@@ -379,7 +509,7 @@ impl<F: Real, B: Bands<F, N>, const N: usize> View<'_, F, B, N> {
         let entering = if wraps { (F::ONE + nl) * F::from_f64(0.5) } else { nl };
         let through = match &diffuse.rough {
             Some((table, place)) => table.transmittance(place, entering),
-            None => self.bands.transmittance(&self.film, entering),
+            None => self.layers.transmittance(self.bands, &self.film, entering),
         };
         for i in 0..N {
             f[i] = f[i] * through[i];
@@ -392,9 +522,9 @@ impl<F: Real, B: Bands<F, N>, const N: usize> View<'_, F, B, N> {
             }
         }
         if let Some((tau, out)) = &diffuse.tau {
-            let way = F::ONE / self.layers.layer_cosine(entering) + *out;
+            let way = self.layers.way(self.bands, entering);
             for i in 0..N {
-                f[i] = f[i] * (tau[i] * way).decay();
+                f[i] = f[i] * (tau[i] * (way[i] + out[i])).decay();
             }
         }
         f
@@ -435,7 +565,7 @@ pub fn sample<F: Real, B: Bands<F, N>, const N: usize>(
 }
 
 #[inline(always)]
-fn dot<F: Real>(a: [F; 3], b: [F; 3]) -> F {
+pub(super) fn dot<F: Real>(a: [F; 3], b: [F; 3]) -> F {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 

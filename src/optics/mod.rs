@@ -10,6 +10,7 @@
 //! | [`cie`] | illuminant, observer, sRGB, CIEDE2000 |
 //! | [`absorption`] | the pigment layer below the film: Beer-Lambert |
 //! | [`ggx`] | microfacets: GGX, height-correlated Smith masking, visible normals |
+//! | [`grating`] | ridges finer than light resolves: the orders of a diffraction grating |
 //! | [`Bands`], [`Spectral`] | what a BRDF is computed in: red, green, blue, or N wavelengths |
 //! | [`Base`] | the base below: Lambert, and wrapped forms of the same energy |
 //! | [`spectrum`], [`Wavelengths`] | spectra of RGB colours; wavelengths for a path |
@@ -45,6 +46,7 @@ pub mod energy;
 pub mod film_color;
 pub mod fresnel;
 pub mod ggx;
+pub mod grating;
 pub mod layered;
 mod quadrature;
 mod real;
@@ -59,6 +61,7 @@ pub use bands::{Bands, Spectral};
 pub use base_layer::Base;
 pub use film_color::{FilmColor, Method};
 pub use fresnel::Polarised;
+pub use grating::Grating;
 pub use layered::{Layers, Parts, Point, Sample, View};
 pub use real::Real;
 pub use spectrum::Wavelengths;

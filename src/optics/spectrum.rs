@@ -9,7 +9,7 @@
 
 use std::sync::OnceLock;
 
-use super::cie::{self, FIRST_NM, LAST_NM};
+use super::cie::{self, FIRST_NM};
 
 /// Distance of two entries of the basis, nm.
 const STEP_NM: f32 = 5.0;

@@ -24,6 +24,11 @@ pub const MAX_THICKNESS_NM: f64 = 1e9;
 /// Wavelengths are limited to this range, nm.
 pub const WAVELENGTH_RANGE_NM: (f64, f64) = (1.0, 1e6);
 
+/// Wavelength at which indices are given, nm: the sodium D line.
+pub const SODIUM_NM: f64 = 589.3;
+/// Greatest Cauchy coefficient, nm^2, of either sign.
+pub const MAX_DISPERSION_NM2: f64 = 1e5;
+
 /// A film between two media, all without absorption.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Film<F> {
@@ -40,6 +45,20 @@ pub enum FilmError {
     #[error("{name} = {value} is out of range: a refractive index is {} to {}", INDEX_RANGE.0, INDEX_RANGE.1)]
     Index {
         /// `n0`, `n1` or `n2`.
+        name: &'static str,
+        /// What was given.
+        value: f64,
+    },
+    /// A Cauchy coefficient is out of range, or not a number.
+    #[error("dispersion = {value} nm^2 is out of range: it is {} to {MAX_DISPERSION_NM2}", -MAX_DISPERSION_NM2)]
+    Dispersion {
+        /// What was given, nm^2.
+        value: f64,
+    },
+    /// A grating is out of range, or has no numbers.
+    #[error("{name} = {value} is out of range for a grating")]
+    Grating {
+        /// `period_nm`, `height_nm` or `direction_rad`.
         name: &'static str,
         /// What was given.
         value: f64,
@@ -111,6 +130,20 @@ impl<F: Real> Film<F> {
     #[inline(always)]
     pub fn with_thickness(self, thickness_nm: F) -> Self {
         Self { d: thickness_nm.max(F::ZERO).min(F::from_f64(MAX_THICKNESS_NM)), ..self }
+    }
+
+    /// The same film at a wavelength, nm, if its indices are those at [`SODIUM_NM`] and film and layer are dispersive.
+    ///
+    /// `n(lambda) = n + B (1/lambda^2 - 1/589.3^2)` (Cauchy), B in nm^2, for n1 and n2; limited to [`INDEX_RANGE`]. Keratin of
+    /// feathers has B = 5890 (Leertouwer, Wilts & Stavenga 2011, Opt. Express 19, 24061).
+    #[inline(always)]
+    pub fn dispersed(self, dispersion_nm2: [F; 2], wavelength_nm: F) -> Self {
+        let f = F::from_f64;
+        let (lo, hi) = WAVELENGTH_RANGE_NM;
+        let inverse = F::ONE / wavelength_nm.max(f(lo)).min(f(hi));
+        let apart = inverse.squared() - f(1.0 / (SODIUM_NM * SODIUM_NM));
+        let at = |n: F, b: F| (n + b * apart).max(f(INDEX_RANGE.0)).min(f(INDEX_RANGE.1));
+        Self { n1: at(self.n1, dispersion_nm2[0]), n2: at(self.n2, dispersion_nm2[1]), ..self }
     }
 
     /// Indices n0, n1, n2.

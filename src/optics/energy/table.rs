@@ -6,8 +6,9 @@
 use std::sync::OnceLock;
 
 use super::super::absorption::cosine_in_layer;
-use super::super::bands::RGB_NM;
-use super::super::film_color::{self, FilmColor, Method};
+use super::super::bands::{Bands, RGB_NM};
+use super::super::cie;
+use super::super::film_color::{self, BEST_NM, FilmColor, Method};
 use super::super::ggx;
 use super::super::quadrature::gauss_legendre;
 use super::super::real::Real;
@@ -24,12 +25,14 @@ const PER_FRINGE: usize = 16;
 const THICKNESSES: usize = 20 * PER_FRINGE + 2;
 /// Intervals of roughness.
 const ROUGHNESSES: usize = 16;
+/// Wavelengths of a dispersive table, nm: Chebyshev's nodes in `1/lambda^2` from 360 to 830 nm, as n is linear in it.
+const DISPERSED_NM: [f64; 3] = [370.208, 467.075, 731.032];
 /// Cosines to the half vector in a [`Kernel`].
 const HALVES: usize = 256;
 
 /// The Lagrange polynomials of four neighbouring nodes, -1, 0, 1, 2, at `t`.
 #[inline(always)]
-fn cubic<F: Real>(t: F) -> [F; 4] {
+pub(in super::super) fn cubic<F: Real>(t: F) -> [F; 4] {
     let f = F::from_f64;
     let (a, b, c) = (t + F::ONE, t - F::ONE, t - f(2.0));
     let (bc, at) = (b * c, a * t);
@@ -104,6 +107,8 @@ pub(in super::super) struct Table<F> {
     /// Parts of `(n0/n2)^2 J` by the cosine in the layer; they sum to it.
     leaving: Vec<[F; DEPTHS]>,
     channels: usize,
+    /// Whether bands are between channels, in `1/lambda^2`, rather than in one.
+    dispersed: bool,
     /// Rows of one roughness and channel.
     thicknesses: usize,
     roughnesses: usize,
@@ -118,6 +123,8 @@ pub(in super::super) struct Place<F, const N: usize> {
     row: [usize; N],
     of_thickness: [[F; 4]; N],
     of_roughness: [F; 4],
+    /// Of a dispersive table, for each band.
+    of_channel: [[F; 3]; N],
 }
 
 /// What leaves: `(n0/n2)^2 J`, and its parts by the cosine in the layer.
@@ -128,13 +135,26 @@ pub(in super::super) struct Leaving<F, const N: usize> {
 }
 
 impl<F: Real> Table<F> {
-    /// The table of a film, for colours or wavelengths; `rough` if roughness matters.
-    pub(in super::super) fn new(film: &Film<f64>, rgb: bool, rough: bool) -> Self {
-        let [n0, n1, n2] = film.indices();
-        let eta = (n0 / n2) * (n0 / n2);
+    /// The table of a film, for colours or wavelengths; `rough` if roughness matters. `dispersion_nm2` as in
+    /// [`Film::dispersed`].
+    pub(in super::super) fn new(
+        film: &Film<f64>,
+        dispersion_nm2: Option<[f64; 2]>,
+        rgb: bool,
+        rough: bool,
+    ) -> Self {
+        // What each channel is like, and where.
+        let at = |l: f64| (dispersion_nm2.map_or(*film, |b| film.dispersed(b, l)), l);
+        let films: Vec<(Film<f64>, f64)> = match (rgb, dispersion_nm2) {
+            (true, _) => BEST_NM.map(at).to_vec(),
+            (false, Some(_)) => DISPERSED_NM.map(at).to_vec(),
+            (false, None) => vec![at(550.0)],
+        };
+        let channels = films.len();
         let rule = gauss_legendre(ANGLES);
         // Chebyshev's nodes between the least and the greatest cosine in the layer, and what each angle gives to each.
-        let least = cosine_in_layer(n0, n2, 0.0);
+        let layer = |film: &Film<f64>, u: f64| cosine_in_layer(film.indices()[0], film.indices()[2], u);
+        let least = films.iter().map(|(film, _)| layer(film, 0.0)).fold(1.0, f64::min);
         let depth = |m: usize| {
             let x = libm::cos(std::f64::consts::PI * (m as f64 + 0.5) / DEPTHS as f64);
             least + (1.0 - least) * 0.5 * (1.0 + x)
@@ -144,28 +164,41 @@ impl<F: Real> Table<F> {
             let others = depths.iter().enumerate().filter(|(k, _)| *k != m);
             others.map(|(_, d)| (c - d) / (depths[m] - d)).product::<f64>()
         };
-        let shares: Vec<[f64; DEPTHS]> = rule
-            .iter()
-            .map(|(u, w)| {
-                let c2 = cosine_in_layer(n0, n2, *u);
-                std::array::from_fn(|m| eta * 2.0 * u * w * lagrange(m, c2))
-            })
-            .collect();
+        let shares = films.iter().map(|(film, _)| {
+            let [n0, _, n2] = film.indices();
+            let share = |(u, w): &(f64, f64), m: usize| {
+                (n0 / n2) * (n0 / n2) * 2.0 * u * w * lagrange(m, layer(film, *u))
+            };
+            rule.iter().map(|node| std::array::from_fn(|m| share(node, m))).collect()
+        });
+        let shares: Vec<Vec<[f64; DEPTHS]>> = shares.collect();
         let between = between_angles(&rule);
 
-        let colors = rgb.then(|| FilmColor::<f64>::new(Method::Adaptive(1e-5)));
-        let lambda = if rgb { RGB_NM } else { 550.0 };
-        let reflectance = |thickness: Option<usize>, cosine: f64| -> [f64; 3] {
+        let method = if dispersion_nm2.is_some() { Method::Series(3) } else { Method::Adaptive(1e-5) };
+        let colors = rgb.then(|| FilmColor::<f64>::new(method));
+        let reflectance = |thickness: Option<usize>, cosine: f64| -> Vec<f64> {
             let fringes = thickness.unwrap_or(1) as f64 / PER_FRINGE as f64;
-            let film = film.with_thickness(fringes * lambda / (2.0 * n1));
-            match (thickness, &colors) {
-                (None, _) => [film_color::incoherent(&film, cosine); 3],
-                (_, None) => [film.power(cosine, lambda).reflected; 3],
-                (_, Some(colors)) => colors.color(&film, cosine).map(f64::saturate),
+            let thick =
+                |film: &Film<f64>, l: f64| film.with_thickness(fringes * l / (2.0 * film.indices()[1]));
+            if let (Some(colors), Some(_)) = (&colors, thickness) {
+                let film = thick(film, RGB_NM);
+                let rgb = match dispersion_nm2 {
+                    None => colors.color(&film, cosine),
+                    Some(b) => colors.each(|l| film.dispersed(b, l).power(cosine, l).reflected),
+                };
+                return rgb.map(f64::saturate).to_vec();
             }
+            let at = |(film, l): &(Film<f64>, f64)| {
+                let film = thick(film, *l);
+                let whole = |_| film.power(cosine, *l).reflected;
+                thickness.map_or_else(|| film_color::incoherent(&film, cosine), whole)
+            };
+            films.iter().map(at).collect()
         };
-        let interferes = n0 != n1 && n1 != n2;
-        let channels = if rgb { 3 } else { 1 };
+        let interferes = films.iter().any(|(film, _)| {
+            let [n0, n1, n2] = film.indices();
+            n0 != n1 && n1 != n2
+        });
         let waves = if interferes { THICKNESSES } else { 0 };
         // One before, and four at the end.
         let thicknesses = waves + 5;
@@ -181,7 +214,7 @@ impl<F: Real> Table<F> {
                 Some(x) => vec![x + 1],
                 None => (thicknesses - 4..thicknesses).collect(),
             };
-            let smooth: Vec<[f64; 3]> = rule.iter().map(|(u, _)| reflectance(thickness, *u)).collect();
+            let smooth: Vec<Vec<f64>> = rule.iter().map(|(u, _)| reflectance(thickness, *u)).collect();
             let halves =
                 if rough { Kernel::cosines().map(|c| reflectance(thickness, c)).to_vec() } else { vec![] };
             for c in 0..channels {
@@ -197,7 +230,7 @@ impl<F: Real> Table<F> {
                         _ => sums[(r - 1) * ANGLES + j],
                     });
                     let parts = std::array::from_fn(|m| {
-                        let each = shares.iter().zip(reflected).map(|(share, e)| share[m] * (1.0 - e));
+                        let each = shares[c].iter().zip(reflected).map(|(share, e)| share[m] * (1.0 - e));
                         F::from_f64(each.sum())
                     });
                     let first = (r * channels + c) * thicknesses;
@@ -215,12 +248,18 @@ impl<F: Real> Table<F> {
             }
         }
         let depths = depths.map(|c| F::from_f64(2.0 / c));
-        Self { through, leaving, channels, thicknesses, roughnesses, depths }
+        let dispersed = !rgb && dispersion_nm2.is_some();
+        Self { through, leaving, channels, dispersed, thicknesses, roughnesses, depths }
     }
 
-    /// Where a roughness and thicknesses, in fringes, are.
+    /// Where a roughness and thicknesses, in fringes, are; `wavelengths_nm` only matter to a dispersive table.
     #[inline(always)]
-    pub(in super::super) fn place<const N: usize>(&self, roughness: F, fringes: [F; N]) -> Place<F, N> {
+    pub(in super::super) fn place<const N: usize>(
+        &self,
+        roughness: F,
+        fringes: [F; N],
+        wavelengths_nm: [F; N],
+    ) -> Place<F, N> {
         let (first, of_roughness) = if self.roughnesses == 1 {
             (0, [F::ONE, F::ZERO, F::ZERO, F::ZERO])
         } else {
@@ -236,22 +275,65 @@ impl<F: Real> Table<F> {
             let coherent = x + 4 <= last;
             let x = if coherent { x } else { last };
             let t = if coherent { place - F::from_f64(x as f64) } else { F::ZERO };
-            row[i] = (first * self.channels + i % self.channels) * self.thicknesses + x;
+            let channel = if self.dispersed { 0 } else { i % self.channels };
+            row[i] = (first * self.channels + channel) * self.thicknesses + x;
             of_thickness[i] = cubic(t);
         }
-        Place { row, of_thickness, of_roughness }
+        let of_channel = if self.dispersed { wavelengths_nm.map(of_channel) } else { [[F::ZERO; 3]; N] };
+        Place { row, of_thickness, of_roughness, of_channel }
     }
 
-    /// Visit the entries around a place, for one band: number of the row and weight.
+    /// Sum of what is read from each row around a place, for one band.
     #[inline(always)]
-    fn visit<const N: usize>(&self, place: &Place<F, N>, band: usize, mut visit: impl FnMut(usize, F)) {
-        let step = self.channels * self.thicknesses;
+    fn sum<const N: usize, const K: usize>(
+        &self,
+        place: &Place<F, N>,
+        band: usize,
+        read: impl Fn(usize) -> [F; K],
+    ) -> [F; K] {
+        if self.dispersed { self.mixed(place, band, &read) } else { self.around(place, band, 0, &read) }
+    }
+
+    /// The same of one channel.
+    #[inline(always)]
+    fn around<const N: usize, const K: usize>(
+        &self,
+        place: &Place<F, N>,
+        band: usize,
+        channel: usize,
+        read: &impl Fn(usize) -> [F; K],
+    ) -> [F; K] {
+        let mut sums = [F::ZERO; K];
+        let (first, step) = (place.row[band] + channel * self.thicknesses, self.channels * self.thicknesses);
         for r in 0..if self.roughnesses == 1 { 1 } else { 4 } {
             for x in 0..4 {
                 let weight = place.of_roughness[r] * place.of_thickness[band][x];
-                visit(place.row[band] + r * step + x, weight);
+                let values = read(first + r * step + x);
+                for k in 0..K {
+                    sums[k] += weight * values[k];
+                }
             }
         }
+        sums
+    }
+
+    /// The same between the channels of a dispersive table.
+    #[cold]
+    #[inline(never)]
+    fn mixed<const N: usize, const K: usize>(
+        &self,
+        place: &Place<F, N>,
+        band: usize,
+        read: &impl Fn(usize) -> [F; K],
+    ) -> [F; K] {
+        let mut sums = [F::ZERO; K];
+        for c in 0..3 {
+            let values = self.around(place, band, c, read);
+            for k in 0..K {
+                sums[k] += place.of_channel[band][c] * values[k];
+            }
+        }
+        sums
     }
 
     /// What leaves at a place.
@@ -259,13 +341,7 @@ impl<F: Real> Table<F> {
     pub(in super::super) fn leaving<const N: usize>(&self, place: &Place<F, N>) -> Leaving<F, N> {
         let mut out = Leaving { clear: [F::ZERO; N], parts: [[F::ZERO; N]; DEPTHS] };
         for i in 0..N {
-            let mut sums = [F::ZERO; DEPTHS];
-            self.visit(place, i, |row, weight| {
-                let parts = &self.leaving[row];
-                for m in 0..DEPTHS {
-                    sums[m] += weight * parts[m];
-                }
-            });
+            let sums = self.sum(place, i, |row| self.leaving[row]);
             for m in 0..DEPTHS {
                 out.parts[m][i] = sums[m];
                 out.clear[i] += sums[m];
@@ -282,12 +358,9 @@ impl<F: Real> Table<F> {
         let of_cosine = cubic(at - F::from_f64(start as f64));
         let mut out = [F::ZERO; N];
         for i in 0..N {
-            let mut sums = [F::ZERO; 4];
-            self.visit(place, i, |row, weight| {
+            let sums: [F; 4] = self.sum(place, i, |row| {
                 let values = &self.through[row * COSINES + start - 1..][..4];
-                for k in 0..4 {
-                    sums[k] += weight * values[k];
-                }
+                [values[0], values[1], values[2], values[3]]
             });
             let sum = (sums[0] * of_cosine[0] + sums[1] * of_cosine[1])
                 + (sums[2] * of_cosine[2] + sums[3] * of_cosine[3]);
@@ -311,6 +384,18 @@ impl<F: Real> Table<F> {
         }
         out
     }
+}
+
+/// The Lagrange polynomials of [`DISPERSED_NM`] in `1/lambda^2`, limited to 360 to 830 nm.
+#[cold]
+#[inline(never)]
+fn of_channel<F: Real>(wavelength_nm: F) -> [F; 3] {
+    let l = wavelength_nm.to_f64().clamp(cie::FIRST_NM, cie::LAST_NM);
+    let (s, nodes) = (1.0 / (l * l), DISPERSED_NM.map(|l| 1.0 / (l * l)));
+    std::array::from_fn(|m| {
+        let others = nodes.iter().enumerate().filter(|(k, _)| *k != m);
+        F::from_f64(others.map(|(_, n)| (s - n) / (nodes[m] - n)).product())
+    })
 }
 
 /// The exponential integral `E3(y) = int_1^inf e^(-y t)/t^3 dt` for y >= 0; E3(0) = 1/2.

@@ -96,7 +96,7 @@ fn the_exponential_integral_is_its_definition() {
 /// Greatest and mean error of tables against quadrature: of `1 - E`, and of what leaves.
 fn interpolation(n2: f64, limit: f64, least_cosine: f64) -> ([f64; 2], [f64; 2]) {
     let film = Film::new(1.0, 1.55, n2, 0.0).expect("a film");
-    let table = Table::<f64>::new(&film, false, true);
+    let table = Table::<f64>::new(&film, None, false, true);
     let (mut e, mut j, mut count) = ([0.0f64; 2], [0.0f64; 2], 0.0);
     for i in 0..150u32 {
         let unit = |k: u32| (f64::from(i * 7 + k) * 0.618_033_988_75 * f64::from(k + 1)).fract();
@@ -106,7 +106,7 @@ fn interpolation(n2: f64, limit: f64, least_cosine: f64) -> ([f64; 2], [f64; 2])
         let fringes = [2.0 * 1.55 * d / 550.0];
         let reflect = |c: f64| film.power(c, 550.0).reflected;
         let alpha = ggx::alpha(roughness);
-        let place = table.place(roughness, fringes);
+        let place = table.place(roughness, fringes, [550.0]);
         let error =
             (table.transmittance(&place, cosine)[0] - 1.0 + specular_albedo(alpha, cosine, reflect)).abs();
         let leaving: f64 = gauss_legendre(ANGLES)
@@ -135,8 +135,8 @@ fn tables_are_near_the_exact_values() {
 fn absorption_between_the_nodes_is_near_the_exact_values() {
     for (n2, limit) in [(2.0, 1e-6), (1.33, 1e-5), (1.0, 2e-2)] {
         let film = Film::new(1.0, 1.55, n2, 400.0).expect("a film");
-        let table = Table::<f64>::new(&film, false, false);
-        let leaving = table.leaving(&table.place(0.0, [2.0 * 1.55 * 400.0 / 550.0]));
+        let table = Table::<f64>::new(&film, None, false, false);
+        let leaving = table.leaving(&table.place(0.0, [2.0 * 1.55 * 400.0 / 550.0], [550.0]));
         let mut worst = 0.0f64;
         for tau in [1e-9, 0.01, 0.1, 0.6, 1.0, 3.0, 10.0] {
             let exact = 1.0 - furnace(&film, 550.0, 0.0, 1.0, tau, 1.0).internal_flat;
@@ -152,8 +152,8 @@ fn absorption_between_the_nodes_is_near_the_exact_values() {
 fn beyond_the_table_is_the_incoherent_limit() {
     let film = Film::new(1.0, 1.55, 2.0, 0.0).expect("a film");
     for rgb in [false, true] {
-        let table = Table::<f32>::new(&film, rgb, true);
-        let thick = table.place(0.0, [25.0f32, 1e9, f32::INFINITY]);
+        let table = Table::<f32>::new(&film, None, rgb, true);
+        let thick = table.place(0.0, [25.0f32, 1e9, f32::INFINITY], [550.0; 3]);
         for u in [1.0, 0.8, 0.3, 0.05] {
             let exact = film_color::incoherent(&film.with_thickness(1e6), u) as f32;
             for t in table.transmittance(&thick, u as f32) {
@@ -161,7 +161,7 @@ fn beyond_the_table_is_the_incoherent_limit() {
             }
         }
         // A NaN is thickness 0, and nothing is out of bounds.
-        let odd = table.transmittance(&table.place(f32::NAN, [f32::NAN]), f32::NAN);
-        assert_eq!(odd, table.transmittance(&table.place(0.0, [0.0]), 0.0));
+        let odd = table.transmittance(&table.place(f32::NAN, [f32::NAN], [f32::NAN]), f32::NAN);
+        assert_eq!(odd, table.transmittance(&table.place(0.0, [0.0], [550.0]), 0.0));
     }
 }

@@ -34,6 +34,8 @@ use table::Table;
 
 /// Range of the uniform wavelengths, nm.
 pub const UNIFORM_NM: (f64, f64) = (380.0, 780.0);
+/// How many there are where no method is named.
+const UNIFORM: usize = 32;
 /// Indices of the default film: air, keratin and what is below it in the thesis.
 pub const DEFAULT_INDICES: [f64; 3] = [1.0, 1.55, 2.0];
 
@@ -58,6 +60,8 @@ pub struct FilmColor<F: 'static> {
     transform: &'static Transform<F>,
     /// Where there is no series, and for uniform wavelengths.
     nodes: Vec<(F, [F; 3])>,
+    /// Where wavelengths differ in more than the phase: dispersion, gratings.
+    pub(super) uniform: Vec<(F, [F; 3])>,
     /// Of Belcour's methods.
     fit: Option<Fit<F>>,
     /// Of [`Method::Table`].
@@ -96,7 +100,8 @@ impl<F: Real> FilmColor<F> {
             Method::Table(cosines, thicknesses) => Some(Table::new(indices, cosines, thicknesses)),
             _ => None,
         };
-        Self { method, transform: F::transform(), nodes, fit, table }
+        let uniform = cie::uniform_nodes(UNIFORM, UNIFORM_NM).iter().map(narrow).collect();
+        Self { method, transform: F::transform(), nodes, uniform, fit, table }
     }
 
     /// The method.
