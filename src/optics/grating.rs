@@ -227,7 +227,7 @@ fn bessel_squares(x: f64) -> [f64; ORDERS + 1] {
         return out;
     }
     // Even, and so far above x and the orders that what is left out is below 1e-16.
-    let start = 2 * (ORDERS.max(x as usize) / 2 + 10);
+    let start = 2 * (ORDERS.max(x as usize) / 2 + 16);
     let (over, mut above, mut now, mut scale) = (2.0 / x, 0.0, 1e-250, 0.0);
     for m in (1..=start).rev() {
         // `now` is J_m.
