@@ -21,7 +21,13 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let evaluation = eval::run(&plan, eval::Control::default())?;
         let set = assemble(
             evaluation,
-            SetId { domain, preset: (*name).to_owned(), seed: graph.seed, preset_hash: [0; 32] },
+            SetId {
+                domain,
+                preset: (*name).to_owned(),
+                seed: graph.seed,
+                preset_hash: [0; 32],
+                optics: graph.optics,
+            },
         );
         for (kind, map) in &set.maps {
             let hash: String = plane_hash(map).iter().map(|b| format!("{b:02x}")).collect();

@@ -35,6 +35,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             preset: graph.name.clone(),
             seed: graph.seed,
             preset_hash: graph::preset_hash(&graph),
+            optics: graph.optics,
         },
     );
     for entry in write_set(&set, Path::new(&directory), &WriteOptions::default(), &|_| {})? {

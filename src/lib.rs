@@ -55,11 +55,11 @@
 //! | [`node`] | operations: a file per node, and the registry of all | `base` |
 //! | [`preset`] | text: documents with places, includes, overrides, diagnostics, the built-in presets | `base` |
 //! | [`skin`] | anatomy: `[scales]`, `[pattern]` and the other sections, lowered to nodes | `base` `node` |
-//! | [`graph`] | meaning: everything resolved and checked; JSON Schema, reference pages, drawings | `base` `node` `preset` `skin` |
+//! | [`graph`] | meaning: everything resolved and checked; JSON Schema, reference pages, drawings | `base` `optics` `node` `preset` `skin` |
 //! | [`plan`] | what is needed: live steps, fused, with buffers and bytes | `base` `node` `graph` |
 //! | [`eval`] | doing it: the only loops over whole planes | `base` `node` `plan` |
-//! | [`maps`] | the texture set, and its values as integers | `base` `eval` |
-//! | `io` | files: PNG, OpenEXR, manifest, all or nothing (feature `files`) | `base` `node` `maps` |
+//! | [`maps`] | the texture set, and its values as integers | `base` `optics` `eval` |
+//! | `io` | files: PNG, OpenEXR, manifest, all or nothing (feature `files`) | `base` `optics` `node` `maps` |
 //! | `scene` | what renderers see: meshes, materials, lights, cameras (feature `render`) | `base` `optics` `preset` `maps` |
 //! | `reference` | ground truth: a spectral path tracer (feature `render`) | `base` `optics` `scene` |
 //! | `report` | what every shortcut costs: errors against times, as a page (feature `render`) | `optics` `scene` `reference` |
@@ -81,8 +81,8 @@
 //!
 //! # Features
 //!
-//! `cli` (default) is the command and needs `files`; `files` is PNG, OpenEXR and manifests. Without either, the
-//! library touches no file system and also builds for WebAssembly.
+//! `cli` (default) is the command and needs the others; `files` is PNG, OpenEXR and manifests; `render` is scenes, the path
+//! tracer and the reports. Without any, the library touches no file system and also builds for WebAssembly.
 #![warn(unreachable_pub)]
 
 pub mod base;

@@ -187,8 +187,8 @@ pub(super) struct Render {
     /// A mesh of one's own in place of the scene's subject: .obj or .glb, with texture coordinates.
     #[arg(long, value_name = "FILE")]
     pub(super) mesh: Option<PathBuf>,
-    /// Move the surface by so many times the height map, in place of nothing.
-    #[arg(long, value_name = "AMOUNT")]
+    /// Move the surface by so many times the height map: subject.displacement of the scene.
+    #[arg(long, allow_negative_numbers = true, value_name = "AMOUNT")]
     pub(super) displace: Option<f32>,
     /// Tone curve of the .png; the scene's unless set.
     #[arg(long, value_parser = tone)]

@@ -182,6 +182,7 @@ impl Work<'_> {
             preset: graph.name.clone(),
             seed: graph.seed,
             preset_hash: graph::preset_hash(graph),
+            optics: graph.optics,
         };
         // Names and directory are refused before the work is done.
         let writer =

@@ -18,18 +18,21 @@ use crate::scene::spec::SceneSpec;
 /// Make the picture and write it, also the unfinished one after Ctrl-C or at the end of the time.
 pub(super) fn run(args: &Render) -> Result<Exit, Failure> {
     let files = Files::new(&args.output)?;
-    let text = stage::text(&args.scene, &args.scene_settings)?;
+    let displacement = args.displace.map(|amount| format!("subject.displacement={amount:?}"));
+    let over: Vec<String> = args.scene_settings.iter().cloned().chain(displacement).collect();
+    let text = stage::text(&args.scene, &over)?;
     let spec = &text.spec;
     let settings = settings(args, spec);
+    let mesh = args.mesh.as_deref().map(stage::mesh).transpose()?;
     let pool = generate::pool(args.threads)?;
     let progress = Progress::new(args.quiet);
     let stop = signal::stop_flag();
     progress.start("skin".into());
     let source =
         Source { word: &args.skin, settings: &args.set.settings, seed: args.seed, size: args.map_size };
-    let skin = Skin::load(&source, &wanted(settings.stage, args.displace.is_some()), stop, &progress, &pool)?;
+    let skin = Skin::load(&source, &wanted(settings.stage, spec), stop, &progress, &pool)?;
     progress.start(spec.name.clone());
-    let scene = stage::build(&text, &skin, args.mesh.as_deref(), args.displace)?;
+    let scene = stage::build(&text, &skin, mesh)?;
     let renderer = Renderer::new(&scene).map_err(|e| Failure::usage(e, "see [material] of the scene"))?;
 
     let start = Instant::now();
@@ -37,7 +40,10 @@ pub(super) fn run(args: &Render) -> Result<Exit, Failure> {
     let done = AtomicBool::new(false);
     let film = pool.install(|| {
         let told = |share: f32| {
-            if stop.load(Ordering::Relaxed) || limit.is_some_and(|limit| start.elapsed() > limit) {
+            // At least a sample of each pixel, so that the picture is whole.
+            let whole = share * settings.samples as f32 > 0.999;
+            let late = || limit.is_some_and(|limit| start.elapsed() > limit);
+            if stop.load(Ordering::Relaxed) || (whole && late()) {
                 done.store(true, Ordering::Relaxed);
             }
             progress.share(share, "tracing paths");
@@ -88,7 +94,7 @@ fn settings(args: &Render, spec: &SceneSpec) -> Settings {
 }
 
 /// The maps that a stage reads; no other is evaluated.
-pub(super) fn wanted(stage: Stage, displaced: bool) -> Vec<MapKind> {
+pub(super) fn wanted(stage: Stage, spec: &SceneSpec) -> Vec<MapKind> {
     use MapKind::{Color, Height, Iridescence, Normal, Roughness};
     let shading: &[MapKind] = match stage {
         Stage::Diffuse => &[Color],
@@ -96,6 +102,7 @@ pub(super) fn wanted(stage: Stage, displaced: bool) -> Vec<MapKind> {
         Stage::Film => &[Normal, Roughness, Iridescence],
         Stage::All => &[Color, Normal, Roughness, Iridescence],
     };
+    let displaced = spec.subject.displacement != 0.0;
     shading.iter().copied().chain(displaced.then_some(Height)).collect()
 }
 
@@ -108,6 +115,15 @@ struct Files {
 impl Files {
     /// An `.exr` has a `.png` beside it, for eyes.
     fn new(path: &Path) -> Result<Self, Failure> {
+        // Told now, not after the work.
+        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+        if let Some(folder) = folder.filter(|folder| !folder.is_dir()) {
+            return Err(Failure::Message {
+                exit: Exit::File,
+                message: format!("{} is not a directory", folder.display()),
+                help: Some("make it, or write the picture somewhere else".into()),
+            });
+        }
         let png = path.with_extension("png");
         match path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
             Some("exr") => Ok(Self { exr: Some(path.to_owned()), png: Some(png) }),

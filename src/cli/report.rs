@@ -52,8 +52,8 @@ fn convergence(
     let text = stage::text(&args.scene, &[])?;
     let source = Source { word: &args.skin, settings: &[], seed: None, size: SizeArg::Longer(1024) };
     let pool = generate::pool(None)?;
-    let skin = Skin::load(&source, &wanted(Stage::All, false), signal::stop_flag(), progress, &pool)?;
-    let scene = stage::build(&text, &skin, None, None)?;
+    let skin = Skin::load(&source, &wanted(Stage::All, &text.spec), signal::stop_flag(), progress, &pool)?;
+    let scene = stage::build(&text, &skin, None)?;
     report::convergence::report(&scene, effort, watch)
         .map_err(|e| Failure::usage(e, "see `ophidian schema --scene` for what a scene says"))
 }

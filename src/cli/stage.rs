@@ -16,25 +16,40 @@ use crate::maps::{SetId, TextureSet, assemble};
 use crate::preset::{Diagnostics, Document, Loaded, Loader, overrides};
 use crate::scene::build::Inputs;
 use crate::scene::builtin::{self, BuiltinScenes};
-use crate::scene::displace::displace;
+use crate::scene::import::{self, ImportError};
 use crate::scene::spec::{self, SceneSpec};
-use crate::scene::{EnvironmentImage, Mesh, Scene, SkinMaps, import};
+use crate::scene::{EnvironmentImage, Mesh, Scene, SkinMaps};
 
-/// A scene's text with the folder that its files are relative to.
+/// A scene's text with the picture of its environment.
 pub(super) struct SceneText {
     pub(super) spec: SceneSpec,
-    folder: std::path::PathBuf,
+    picture: Option<Arc<EnvironmentImage>>,
+}
+
+/// Reads scenes from files, and from the binary where there is no such file.
+#[derive(Default)]
+struct SceneFiles(Files);
+
+impl Loader for SceneFiles {
+    fn load(&self, path: &str, from: &str) -> Result<Loaded, String> {
+        let file = Path::new(from).parent().unwrap_or(Path::new("")).join(path);
+        let is_word = !path.ends_with(".toml") && !path.contains(['/', '\\']);
+        if from.starts_with(builtin::FOLDER) || (is_word && !file.exists()) {
+            return BuiltinScenes.load(path, from);
+        }
+        self.0.load(path, from)
+    }
 }
 
 /// Read what `word` means: a scene file, or a built-in scene; then lay the settings over it.
 ///
 /// # Errors
-/// If there is no such scene, or its text or the settings cannot be read.
+/// If there is no such scene, or its text, the settings or its picture cannot be read.
 pub(super) fn text(word: &str, settings: &[String]) -> Result<SceneText, Failure> {
     let path = Path::new(word);
     let is_file = word.ends_with(".toml") || word.contains(['/', '\\']) || path.is_file();
     let mut document = if is_file {
-        let files = Files::default();
+        let files = SceneFiles::default();
         let loaded = files.load(word, "").map_err(|message| Failure::Message {
             exit: Exit::File,
             message,
@@ -58,8 +73,9 @@ pub(super) fn text(word: &str, settings: &[String]) -> Result<SceneText, Failure
     if spec.name.is_empty() {
         spec.name = path.file_stem().map_or(word.into(), |s| s.to_string_lossy().into_owned());
     }
-    let folder = if is_file { path.parent().unwrap_or(Path::new("")).to_owned() } else { Default::default() };
-    Ok(SceneText { spec, folder })
+    let folder = if is_file { path.parent() } else { None }.unwrap_or(Path::new(""));
+    let picture = spec.environment.picture().map(|file| picture(&folder.join(file))).transpose()?;
+    Ok(SceneText { spec, picture: picture.map(Arc::new) })
 }
 
 /// Where a skin comes from.
@@ -116,6 +132,7 @@ impl Skin {
             preset: graph.name.clone(),
             seed: graph.seed,
             preset_hash: crate::graph::preset_hash(&graph),
+            optics: graph.optics,
         };
         Ok(Self { name: graph.name, maps: Arc::new(assemble(evaluation, id)) })
     }
@@ -124,42 +141,26 @@ impl Skin {
 /// The scene with the skin on its subject, or on a mesh of one's own.
 ///
 /// # Errors
-/// If a file that it names cannot be read, or the subject cannot be made.
-pub(super) fn build(
-    text: &SceneText,
-    skin: &Skin,
-    own_mesh: Option<&Path>,
-    displacement: Option<f32>,
-) -> Result<Scene, Failure> {
+/// If the subject cannot be made.
+pub(super) fn build(text: &SceneText, skin: &Skin, mesh: Option<Mesh>) -> Result<Scene, Failure> {
     let spec = &text.spec;
-    let picture = match spec.environment.picture() {
-        Some(file) => Some(Arc::new(picture(&text.folder.join(file))?)),
-        None => None,
-    };
     let set = &skin.maps;
-    let maps = Some(Arc::new(SkinMaps::new(set, spec.material.texel())));
-    let size_mm = [set.domain.girth_mm, set.domain.length_mm];
-    let fail =
-        |e: &dyn std::fmt::Display| Failure::usage(e, "see `ophidian schema --scene` for what a scene says");
-    let mut scene = Scene::build(spec, &Inputs { maps, picture, size_mm }).map_err(|e| fail(&e))?;
-    if let Some(path) = own_mesh {
-        scene.objects[0].mesh = mesh(path)?;
-    }
-    if let Some(amount) = displacement {
-        let Some(height) = set.maps.get(&MapKind::Height) else {
-            return Err(Failure::usage(
-                format!("{} has no height map to displace by", skin.name),
-                "leave out --displace",
-            ));
-        };
-        let subject = &mut scene.objects[0].mesh;
-        *subject = displace(subject, &height.planes[0], amount, scene.mm_per_unit).map_err(|e| fail(&e))?;
-    }
-    Ok(scene)
+    let inputs = Inputs {
+        maps: Some(Arc::new(SkinMaps::new(set, spec.material.texel()))),
+        optics: set.optics,
+        mesh,
+        picture: text.picture.clone(),
+        size_mm: [set.domain.girth_mm, set.domain.length_mm],
+    };
+    Scene::build(spec, &inputs)
+        .map_err(|e| Failure::usage(e, "see `ophidian schema --scene` for what a scene says"))
 }
 
 /// A mesh of one's own.
-fn mesh(path: &Path) -> Result<Mesh, Failure> {
+///
+/// # Errors
+/// If the file cannot be read, or holds no mesh that a skin can be laid on.
+pub(super) fn mesh(path: &Path) -> Result<Mesh, Failure> {
     let bytes = io::read_bytes(path, import::MOST_BYTES)?;
     let read = match path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
         Some("obj") => import::obj(&bytes),
@@ -169,7 +170,11 @@ fn mesh(path: &Path) -> Result<Mesh, Failure> {
             return Err(Failure::usage(message, "export it from a modelling program as glTF binary"));
         }
     };
-    read.map_err(|e| Failure::usage(format!("{}: {e}", path.display()), "the mesh was not rendered"))
+    read.map_err(|e| Failure::Message {
+        exit: if matches!(e, ImportError::Format { .. }) { Exit::File } else { Exit::Bad },
+        message: format!("{}: {e}", path.display()),
+        help: None,
+    })
 }
 
 /// The picture of an environment.

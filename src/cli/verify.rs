@@ -91,6 +91,7 @@ fn differing(set: &SetRecord, graph: &Graph, args: &Verify) -> Result<Vec<String
         preset: graph.name.clone(),
         seed: graph.seed,
         preset_hash: graph::preset_hash(graph),
+        optics: graph.optics,
     };
     let mut wanted: Vec<MapKind> = set.files.iter().flat_map(|f| &f.maps).map(|m| m.map).collect();
     wanted.sort();

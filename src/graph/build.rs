@@ -7,6 +7,7 @@ use super::{Graph, GraphNode, MapSource, OutputRef, Source};
 use crate::base::{MapKind, hash};
 use crate::node::draft::{Draft, InputDraft, NodeDraft, Wire};
 use crate::node::{Assets, Fallback, InputSpec, Kind, PortKind};
+use crate::optics::SkinOptics;
 
 /// One problem of a graph.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -136,6 +137,7 @@ pub fn resolve(sketch: &Sketch) -> Result<Graph, Vec<BuildError>> {
         length_mm,
         nodes,
         maps,
+        optics: SkinOptics::default(),
         assets: Assets::new(),
     })
 }

@@ -14,6 +14,7 @@ use std::sync::Arc;
 
 use crate::base::MapKind;
 use crate::node::{Assets, Kind, Node, OutputKind};
+use crate::optics::SkinOptics;
 
 pub use build::{BuildError, MapDraft, Sketch, resolve};
 pub use dot::{needed_by, to_dot, to_json, to_mermaid};
@@ -93,6 +94,8 @@ pub struct Graph {
     pub nodes: Vec<GraphNode>,
     /// Maps that the preset defines.
     pub maps: BTreeMap<MapKind, MapSource>,
+    /// What the skin is made of, for whoever renders it; no map depends on it.
+    pub optics: SkinOptics,
     /// Image files that nodes read, filled by whoever has a file system.
     pub assets: Assets,
 }

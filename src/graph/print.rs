@@ -21,6 +21,7 @@ pub fn to_toml(graph: &Graph) -> String {
         let from = source(graph, map.source);
         let _ = writeln!(out, "{kind} = {{ from = {from}, range = [{low}, {high}] }}");
     }
+    out.push_str(&material(graph));
     for node in &graph.nodes {
         let _ = writeln!(out, "\n[nodes.{}]\nop = \"{}\"", node.name, node.node.spec().name);
         for (spec, &input) in node.node.spec().inputs.iter().zip(&node.inputs) {
@@ -36,6 +37,16 @@ pub fn to_toml(graph: &Graph) -> String {
         out.push_str(&settings(node));
     }
     out
+}
+
+/// The optics that are set; nothing where none are, so that such presets keep their hash.
+fn material(graph: &Graph) -> String {
+    let optics = toml::Value::try_from(graph.optics).ok();
+    let table = optics.as_ref().and_then(toml::Value::as_table).filter(|table| !table.is_empty());
+    table.map_or_else(String::new, |table| {
+        let lines: String = table.iter().map(|(k, v)| format!("{k} = {}\n", value(v, true))).collect();
+        format!("\n[material]\n{lines}")
+    })
 }
 
 /// A name on one line of a comment.

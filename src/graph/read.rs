@@ -7,6 +7,7 @@
 //! | `[tile]` | `girth_mm`, `length_mm`: the tile's physical size, where the anatomy does not give it |
 //! | `[nodes.NAME]` | a node: `op`, its inputs and its settings; replaces the anatomy's node of that name. Without `op` it changes only the keys it names |
 //! | `[maps]` | `KIND = input`, or `KIND = { from = input, range = [low, high] }` |
+//! | `[material]` | the skin's [`SkinOptics`], for whoever renders it; no map depends on it |
 //!
 //! An *input* is a number, a colour `"#rrggbb"`, a linear colour `[r, g, b]`, or an output: `"node"` or `"node.port"`.
 
@@ -18,13 +19,14 @@ use super::from_document::{self, ABOUT};
 use crate::base::{LinearRgb, MapKind, Srgb8};
 use crate::node::draft::{Draft, InputDraft, NodeDraft, Wire};
 use crate::node::{self, Op};
+use crate::optics::SkinOptics;
 use crate::preset::{
     Diagnostic, Diagnostics, Document, Item, PresetError, SourceMap, Span, Table, Value, section, suggest,
 };
 use crate::skin::{self, Skin};
 
 /// Keys of a preset's root that this room reads.
-pub const KEYS: [&str; 4] = ["seed", "tile", "nodes", "maps"];
+pub const KEYS: [&str; 5] = ["seed", "tile", "nodes", "maps", "material"];
 
 /// Most nodes of a graph.
 pub const MAX_NODES: usize = 10_000;
@@ -77,6 +79,8 @@ pub fn build(document: &Document) -> Result<(Graph, Vec<Diagnostic>), PresetErro
             sketch.size_mm = [tile.girth_mm, tile.length_mm];
         }
     }
+    let material = document.root.get("material");
+    let optics = material.and_then(|m| section::read::<SkinOptics>(m, "[material]", &mut diagnostics));
     read_nodes(document, &mut sketch.draft, &mut diagnostics);
     read_maps(document, &mut sketch.maps, &mut diagnostics);
     let failed = |diagnostics: Diagnostics| {
@@ -87,7 +91,10 @@ pub fn build(document: &Document) -> Result<(Graph, Vec<Diagnostic>), PresetErro
         return failed(diagnostics);
     }
     match resolve(&sketch) {
-        Ok(graph) if !diagnostics.has_errors() => Ok((graph, diagnostics.into_list())),
+        Ok(graph) if !diagnostics.has_errors() => {
+            let optics = optics.unwrap_or_default();
+            Ok((Graph { optics, ..graph }, diagnostics.into_list()))
+        }
         Ok(_) => failed(diagnostics),
         Err(mut errors) => {
             // What is wrong with a node has been told; that its readers miss it has not to be.

@@ -6,6 +6,7 @@ use super::read::Tile;
 use super::reference::input_range;
 use crate::base::MapKind;
 use crate::node::{self, Fallback, InputSpec, Op, PortKind};
+use crate::optics::SkinOptics;
 use crate::skin::Skin;
 
 /// The schema of a preset.
@@ -37,6 +38,8 @@ pub fn schema() -> Value {
     );
     section(schemars::schema_for!(Skin).to_value(), "skin", None, &mut properties, &mut defs);
     section(schemars::schema_for!(Tile).to_value(), "tile", Some("tile"), &mut properties, &mut defs);
+    let material = schemars::schema_for!(SkinOptics).to_value();
+    section(material, "material", Some("material"), &mut properties, &mut defs);
 
     inputs(&mut defs);
     let mut ops = vec![json!({

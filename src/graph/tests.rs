@@ -229,3 +229,32 @@ fn pictures_mark_what_each_map_needs() {
     assert_eq!(json["nodes"][1]["inputs"]["du"], "bands.phase");
     assert_eq!(json["maps"]["height"]["from"], "spot.distance");
 }
+
+#[test]
+fn optics_are_carried_printed_and_part_of_the_hash_only_where_they_are_set() {
+    let plain = "seed = 3\n[maps]\nheight = 0.5\n";
+    let optics = "[material]\nn_film = 1.5\nabsorption = [0.25, 1, 1.3]\nalbedo = 'intrinsic'\n";
+    let (without, with) = (graph(plain), graph(&format!("{plain}{optics}")));
+    assert!(without.optics.is_empty() && !to_toml(&without).contains("material"));
+    assert_eq!(preset_hash(&graph(&format!("{plain}[material]"))), preset_hash(&without));
+    assert_ne!(preset_hash(&with), preset_hash(&without));
+    let expected = crate::optics::SkinOptics {
+        n_film: Some(1.5),
+        n_layer: None,
+        absorption: Some([0.25, 1.0, 1.3]),
+        albedo: Some(crate::optics::layered::Albedo::Intrinsic),
+    };
+    assert_eq!(with.optics, expected);
+    let text = to_toml(&with);
+    assert_eq!(graph(&text).optics, expected, "{text}");
+    assert!(text.contains("absorption = [0.25, 1.0, 1.3]"), "short numbers: {text}");
+    assert_eq!(preset_hash(&graph(&text)), preset_hash(&with));
+    assert_eq!(
+        told("[material]\nn_flim = 1.5\nn_layer = 9\nalbedo = 'seen'\n[maps]\nheight = 1"),
+        [
+            "2:1 unknown-key unknown key `n_flim` in [material] (did you mean `n_film`?)",
+            "4:10 unknown-value unknown value \"seen\" in [material] (known: `apparent`, `intrinsic`)",
+            "3:11 out-of-range n_layer = 9 is out of range (allowed: 1 to 4)",
+        ]
+    );
+}

@@ -15,6 +15,7 @@ use super::atomic::{Aside, hash};
 use super::{IoError, Problem, names};
 use crate::base::MapKind;
 use crate::maps::{NormalFormat, QuantError, SetId};
+use crate::optics::SkinOptics;
 
 /// The manifest's name in its directory.
 pub const FILE_NAME: &str = "manifest.json";
@@ -49,6 +50,9 @@ pub struct SetRecord {
     pub size_mm: [f32; 2],
     /// BLAKE3 of the preset as evaluated, hexadecimal.
     pub preset_blake3: String,
+    /// What the skin is made of, for whoever renders it; left out where the preset says nothing of it.
+    #[serde(default, skip_serializing_if = "SkinOptics::is_empty")]
+    pub material: SkinOptics,
     /// The crate that made it, and its version.
     pub generator: String,
     /// Its files, by name.
@@ -143,6 +147,7 @@ impl SetRecord {
             size: [set.domain.width, set.domain.height],
             size_mm: [set.domain.girth_mm, set.domain.length_mm],
             preset_blake3: blake3::Hash::from_bytes(set.preset_hash).to_hex().to_string(),
+            material: set.optics,
             generator: concat!(env!("CARGO_PKG_NAME"), " ", env!("CARGO_PKG_VERSION")).to_owned(),
             files: Vec::new(),
         }
@@ -156,6 +161,7 @@ impl SetRecord {
         self.key() == other.key()
             && self.size_mm == other.size_mm
             && self.preset_blake3 == other.preset_blake3
+            && self.material == other.material
             && self.generator == other.generator
     }
 }
@@ -332,7 +338,13 @@ mod tests {
     use crate::base::Domain;
 
     fn set(preset: &str, seed: u64, hash: u8, files: &[&str]) -> SetRecord {
-        let id = SetId { domain: Domain::square(8), preset: preset.into(), seed, preset_hash: [hash; 32] };
+        let id = SetId {
+            domain: Domain::square(8),
+            preset: preset.into(),
+            seed,
+            preset_hash: [hash; 32],
+            optics: Default::default(),
+        };
         let file = |f: &&str| ManifestEntry {
             file: (*f).to_owned(),
             format: FileFormat::Png,

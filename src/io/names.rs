@@ -162,7 +162,7 @@ mod tests {
 
     fn set(preset: &str) -> SetId {
         let domain = Domain { width: 32, height: 64, girth_mm: 50.0, length_mm: 100.0 };
-        SetId { domain, preset: preset.into(), seed: 7, preset_hash: [0; 32] }
+        SetId { domain, preset: preset.into(), seed: 7, preset_hash: [0; 32], optics: Default::default() }
     }
 
     fn name(template: &str, map: MapKind) -> Result<String, NameError> {

@@ -50,6 +50,7 @@ pub fn read_set(dir: &Path, wanted: &[MapKind]) -> Result<TextureSet, IoError> {
         preset: set.preset.clone(),
         seed: set.seed,
         preset_hash: hash,
+        optics: set.material,
     })
 }
 
@@ -106,6 +107,7 @@ mod tests {
             preset: "wave".into(),
             seed: 3,
             preset_hash: [7; 32],
+            optics: crate::optics::SkinOptics { n_layer: Some(1.7), ..Default::default() },
         };
         for (output, tolerance) in [(Output::Png, 0.02), (Output::Exr, 1e-3), (Output::ExrLayers, 1e-3)] {
             let dir = tempfile::tempdir().expect("a directory");
@@ -120,10 +122,11 @@ mod tests {
                     assert!(worst <= tolerance, "{output:?} {kind} {worst}");
                 }
             }
-            set.seed += 1;
+            // Other names: of the same ones the later set would take the place of the earlier.
+            set.preset = "other".into();
             write_set(&set, dir.path(), &options, &|_| ()).expect("written");
             assert!(read_set(dir.path(), &kinds).is_err());
-            set.seed = 3;
+            set.preset = "wave".into();
         }
     }
 }

@@ -284,7 +284,14 @@ mod tests {
         };
         let map = |kind: MapKind| MapImage::new(kind, (0..kind.channels()).map(|c| plane(kind, c)).collect());
         let maps = MapKind::ALL.into_iter().map(|kind| (kind, map(kind))).collect();
-        TextureSet { domain, maps, preset: "boa".into(), seed: 3, preset_hash: [7; 32] }
+        TextureSet {
+            domain,
+            maps,
+            preset: "boa".into(),
+            seed: 3,
+            preset_hash: [7; 32],
+            optics: Default::default(),
+        }
     }
 
     fn everything() -> WriteOptions {

@@ -15,6 +15,7 @@ pub fn assemble(evaluation: Evaluation, set: SetId) -> TextureSet {
         preset: set.preset,
         seed: set.seed,
         preset_hash: set.preset_hash,
+        optics: set.optics,
     }
 }
 

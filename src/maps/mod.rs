@@ -23,6 +23,7 @@ pub use encode::{Depth, EncodeOptions, QuantError, Quantiser, quantisation_error
 pub use hash::plane_hash;
 
 use crate::base::{Domain, MapKind, Plane};
+use crate::optics::SkinOptics;
 
 /// Which way the green channel of a normal map points.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -119,6 +120,8 @@ pub struct SetId {
     pub seed: u64,
     /// BLAKE3 of the preset as evaluated.
     pub preset_hash: [u8; 32],
+    /// What the skin is made of besides its maps.
+    pub optics: SkinOptics,
 }
 
 /// The maps of one preset and seed, all on one grid, registered to each other.
@@ -134,6 +137,8 @@ pub struct TextureSet {
     pub seed: u64,
     /// BLAKE3 of the preset as evaluated.
     pub preset_hash: [u8; 32],
+    /// What the skin is made of besides its maps.
+    pub optics: SkinOptics,
 }
 
 impl TextureSet {
@@ -144,6 +149,7 @@ impl TextureSet {
             preset: self.preset.clone(),
             seed: self.seed,
             preset_hash: self.preset_hash,
+            optics: self.optics,
         }
     }
 }

@@ -16,6 +16,8 @@
 use std::f64::consts::{FRAC_1_PI, PI};
 use std::sync::OnceLock;
 
+use serde::{Deserialize, Serialize};
+
 use super::absorption::cosine_in_layer;
 use super::bands::Bands;
 use super::base_layer::Base;
@@ -67,7 +69,8 @@ impl Default for Constants {
 }
 
 /// What the albedo of the base means.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(rename_all = "snake_case")]
 pub enum Albedo {
     /// What is seen from outside without absorption: what textures hold.
     #[default]
@@ -77,7 +80,8 @@ pub enum Albedo {
 }
 
 /// How the light that is not reflected is shared out.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(rename_all = "snake_case")]
 pub enum Energy {
     /// Transmittance at the angles to the normal: fast, right for smooth surfaces.
     #[default]

@@ -15,6 +15,7 @@
 //! | [`Base`] | the base below: Lambert, and wrapped forms of the same energy |
 //! | [`spectrum`], [`Wavelengths`] | spectra of RGB colours; wavelengths for a path |
 //! | [`energy`] | what a rough film reflects and keeps inside: exact, and the tables of shading |
+//! | [`SkinOptics`] | indices, absorption and albedo as texts give them |
 //! | [`layered`], [`Layers`], [`View`] | the BRDF of all layers: evaluate, sample, density |
 //!
 //! Indices n0 (outside), n1 (film), n2 (below) are real; angles are given by their cosine in n0; lengths in nanometres.
@@ -50,6 +51,7 @@ pub mod grating;
 pub mod layered;
 mod quadrature;
 mod real;
+pub mod skin;
 pub mod spectrum;
 pub mod thin_film;
 pub mod transform;
@@ -64,6 +66,7 @@ pub use fresnel::Polarised;
 pub use grating::Grating;
 pub use layered::{Layers, Parts, Point, Sample, View};
 pub use real::Real;
+pub use skin::SkinOptics;
 pub use spectrum::Wavelengths;
 pub use thin_film::{Film, FilmError, Power};
 pub use transform::Transform;

@@ -1,7 +1,5 @@
 //! Which triangle a ray meets first, over all objects of a scene. The tree is the crate `obvhs`'s: eight-wide, compressed.
 
-use std::time::Duration;
-
 // `traverse!` names UVec2.
 use glam::{UVec2, Vec3, Vec3A};
 use obvhs::BvhBuildParams;
@@ -59,7 +57,7 @@ impl Bvh {
         let tree = if corners.is_empty() {
             CwBvh::default()
         } else {
-            build_cwbvh_from_tris(&corners, BvhBuildParams::slow_build(), &mut Duration::default())
+            build_cwbvh_from_tris(&corners, BvhBuildParams::slow_build(), &mut Default::default())
         };
         let order = &tree.primitive_indices;
         Self {

@@ -6,13 +6,14 @@ use std::sync::Arc;
 use glam::{Vec2, Vec3, Vec4};
 
 use super::camera::{Camera, View};
+use super::displace::{self, DisplaceError};
 use super::environment::{Environment, EnvironmentImage};
 use super::light::Light;
 use super::material::{Material, SkinMaps};
 use super::mesh::Mesh;
 use super::plain;
 use super::sky::{Daylight, overcast, towards};
-use super::snake::{Snake, SnakeError};
+use super::snake::{Snake, SnakeError, check_tile};
 use super::spec::{
     CameraSpec, EnvironmentSpec, Form, Ground, Lamp, LightSpec, RenderSpec, SceneSpec, Subject, Surroundings,
 };
@@ -20,16 +21,24 @@ use super::studio::Studio;
 use super::tangents::TangentError;
 use super::{Object, Scene};
 use crate::base::{LinearRgb, Srgb8};
+use crate::optics::SkinOptics;
 use crate::optics::layered::Constants;
 
 /// Length of a cylinder with its ends, body diameters, where none is given.
 const CYLINDER: f32 = 4.0;
+
+/// Most triangles that displacement asks for.
+const MOST_DISPLACED: usize = 4_000_000;
 
 /// What a scene is made of besides its text.
 #[derive(Clone, Debug)]
 pub struct Inputs {
     /// The maps of the skin; without them it is plain.
     pub maps: Option<Arc<SkinMaps>>,
+    /// What the skin is made of, where the scene does not say otherwise.
+    pub optics: SkinOptics,
+    /// A mesh in place of the text's form, in body diameters; it is set down on the ground.
+    pub mesh: Option<Mesh>,
     /// The environment's picture, for scenes that name one.
     pub picture: Option<Arc<EnvironmentImage>>,
     /// Physical size of the tile, mm, where there are no maps: girth, length.
@@ -39,7 +48,13 @@ pub struct Inputs {
 impl Default for Inputs {
     /// No maps; the tile of a body 20 mm thick.
     fn default() -> Self {
-        Self { maps: None, picture: None, size_mm: [20.0 * PI, 92.4] }
+        Self {
+            maps: None,
+            optics: SkinOptics::default(),
+            mesh: None,
+            picture: None,
+            size_mm: [20.0 * PI, 92.4],
+        }
     }
 }
 
@@ -52,6 +67,15 @@ pub enum SceneError {
     /// Its surface has no tangents; cannot happen for the forms there are.
     #[error(transparent)]
     Tangents(#[from] TangentError),
+    /// The tile cannot be laid on a body.
+    #[error("a tile of {0} mm by {1} mm cannot be laid on a body")]
+    Tile(f32, f32),
+    /// The surface is to be displaced, and the skin has no height map.
+    #[error("the skin has no height map to displace by")]
+    NoHeight,
+    /// The surface cannot be displaced.
+    #[error(transparent)]
+    Displace(#[from] DisplaceError),
     /// The environment is a picture that was not given.
     #[error("the picture `{0}` of the environment is not there")]
     Picture(String),
@@ -65,13 +89,14 @@ impl Scene {
     pub fn build(spec: &SceneSpec, inputs: &Inputs) -> Result<Self, SceneError> {
         let size_mm = inputs.maps.as_ref().map_or(inputs.size_mm, |maps| maps.size_mm);
         let mm_per_unit = size_mm[0] / PI;
-        let mesh = subject(&spec.subject, size_mm)?;
+        check_tile(size_mm).map_err(|[girth, length]| SceneError::Tile(girth, length))?;
+        let mesh = subject(&spec.subject, inputs, size_mm)?;
         let camera = camera(&spec.camera, &spec.render, &mesh, mm_per_unit);
         let (environment, sun) = environment(&spec.environment, inputs)?;
         let lights = spec.light.iter().filter_map(|light| lamp(light, camera.target));
         let texel = spec.material.texel();
         let skin = Material {
-            constants: spec.material.constants(),
+            constants: spec.material.constants(inputs.optics),
             color: LinearRgb(texel.color),
             roughness: texel.roughness,
             thickness_nm: texel.thickness_nm,
@@ -96,9 +121,30 @@ impl Scene {
     }
 }
 
-fn subject(subject: &Subject, size_mm: [f32; 2]) -> Result<Mesh, SceneError> {
-    let triangles = subject.triangles as usize;
-    let mut mesh = match (subject.form, subject.form.pose()) {
+fn subject(subject: &Subject, inputs: &Inputs, size_mm: [f32; 2]) -> Result<Mesh, SceneError> {
+    let mut mesh = match &inputs.mesh {
+        Some(mesh) => settled(mesh.clone()),
+        None => form(subject, subject.triangles as usize, size_mm)?,
+    };
+    if subject.displacement != 0.0 {
+        let maps = inputs.maps.as_ref().ok_or(SceneError::NoHeight)?;
+        let height = maps.height_plane().ok_or(SceneError::NoHeight)?;
+        let tiles = texture_area(&mesh);
+        let finer = displace::density(maps.width, maps.height, tiles, MOST_DISPLACED).triangles;
+        if inputs.mesh.is_none() && finer > subject.triangles as usize {
+            mesh = form(subject, finer, size_mm)?;
+        }
+        let mm_per_unit = size_mm[0] / PI;
+        // A normal map tells of the same relief: on normals of the new surface it would count twice.
+        let displaced = if maps.has_bumps() { displace::shift } else { displace::displace };
+        mesh = displaced(&mesh, &height, subject.displacement, mm_per_unit)?;
+    }
+    turn(&mut mesh, subject.turn_deg);
+    Ok(mesh)
+}
+
+fn form(subject: &Subject, triangles: usize, size_mm: [f32; 2]) -> Result<Mesh, SceneError> {
+    Ok(match (subject.form, subject.form.pose()) {
         (_, Some(pose)) => {
             let length_in_diameters = subject.length.unwrap_or(pose.usual_length_in_diameters());
             let section = subject.cross_section;
@@ -110,9 +156,25 @@ fn subject(subject: &Subject, size_mm: [f32; 2]) -> Result<Mesh, SceneError> {
             plain::capsule(straight.max(0.0), triangles, size_mm)?
         }
         _ => plain::capsule(0.0, triangles, size_mm)?,
+    })
+}
+
+/// The mesh with its lowest point on the ground.
+fn settled(mut mesh: Mesh) -> Mesh {
+    let lowest = mesh.positions.iter().fold(f32::INFINITY, |low, p| low.min(p.y));
+    if lowest.is_finite() {
+        mesh.positions.iter_mut().for_each(|p| p.y -= lowest);
+    }
+    mesh
+}
+
+/// Tiles of the texture on a mesh, also shares of one.
+fn texture_area(mesh: &Mesh) -> f64 {
+    let area = |triangle: &[u32; 3]| {
+        let [a, b, c] = triangle.map(|i| mesh.uvs[i as usize].as_dvec2());
+        0.5 * (b - a).perp_dot(c - a).abs()
     };
-    turn(&mut mesh, subject.turn_deg);
-    Ok(mesh)
+    mesh.triangles.iter().map(area).sum()
 }
 
 /// Turn around the vertical, from +z towards +x.
@@ -283,8 +345,7 @@ fn view_factor(half: [f32; 2], distance: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::builtin;
-    use crate::scene::spec;
+    use crate::scene::{Texel, builtin, spec};
 
     /// A scene from a text, of few triangles.
     fn build(text: &str) -> Scene {
@@ -408,6 +469,72 @@ mod tests {
         let inputs = Inputs { picture: Some(picture.clone()), ..Inputs::default() };
         let scene = Scene::build(&spec, &inputs).expect("a picture");
         assert_eq!(scene.environment, Environment::Image(picture));
+    }
+
+    /// Maps of one height everywhere; tilted normals or none.
+    fn maps(height_mm: f32, normal: [f32; 3]) -> Arc<SkinMaps> {
+        let texel = Texel { color: [0.5; 3], roughness: 0.3, normal, thickness_nm: 0.0 };
+        let height_mm = Some(vec![height_mm; 64 * 32]);
+        Arc::new(SkinMaps {
+            width: 64,
+            height: 32,
+            texels: vec![texel; 64 * 32],
+            height_mm,
+            size_mm: [60.0, 30.0],
+        })
+    }
+
+    #[test]
+    fn a_height_map_moves_the_subject_and_makes_its_mesh_finer() {
+        let mut spec = SceneSpec::default();
+        (spec.subject.form, spec.subject.triangles, spec.subject.displacement) = (Form::Sphere, 1000, 0.5);
+        let unit = 60.0 / PI;
+        for normal in [[0.0, 0.0, 1.0], [0.6, 0.0, 0.8]] {
+            let inputs = Inputs { maps: Some(maps(0.4 * unit, normal)), ..Inputs::default() };
+            let mesh = &Scene::build(&spec, &inputs).expect("a sphere").objects[0].mesh;
+            mesh.check().expect("sound");
+            let middle = Vec3::Y * 0.5;
+            assert!(mesh.positions.iter().all(|p| (p.distance(middle) - 0.7).abs() < 1e-3));
+            // The tile is pi x pi/2 units, the sphere's own measures: two triangles for each of 64 x 32 texels.
+            assert!((3_500..4_500).contains(&mesh.triangles.len()), "{}", mesh.triangles.len());
+        }
+        assert_eq!(Scene::build(&spec, &Inputs::default()).expect_err("no map"), SceneError::NoHeight);
+    }
+
+    #[test]
+    fn a_mesh_of_ones_own_is_set_down_and_fills_the_picture() {
+        let mut own = plain::tile(100, [60.0, 30.0]).expect("a tile");
+        own.positions.iter_mut().for_each(|p| *p = *p * 7.0 - Vec3::Y * 90.0);
+        let spec = SceneSpec::default();
+        let inputs = Inputs { mesh: Some(own.clone()), ..Inputs::default() };
+        let scene = Scene::build(&spec, &inputs).expect("a scene");
+        let mesh = &scene.objects[0].mesh;
+        assert_eq!((mesh.triangles.len(), mesh.uvs.len()), (own.triangles.len(), own.uvs.len()));
+        assert!(mesh.positions.iter().all(|p| (0.0..=7.0 * 1.6).contains(&p.y)));
+        assert!((scene.camera.target.y - 3.5 * 0.5 * PI).abs() < 1.0, "{}", scene.camera.target);
+    }
+
+    #[test]
+    fn optics_are_the_scenes_then_the_skins() {
+        let mut spec = SceneSpec::default();
+        spec.subject.triangles = 1000;
+        spec.material.n_film = Some(1.4);
+        let optics = SkinOptics { n_film: Some(1.5), n_layer: Some(1.7), ..SkinOptics::default() };
+        let scene = Scene::build(&spec, &Inputs { optics, ..Inputs::default() }).expect("a scene");
+        assert_eq!(scene.materials[0].constants.indices, [1.0, 1.4, 1.7]);
+        assert_eq!(scene.materials[1].constants.indices, [1.0; 3], "not the ground's");
+    }
+
+    #[test]
+    fn a_tile_that_is_no_tile_is_refused() {
+        for (form, size_mm) in
+            [(Form::Plane, [0.0, 1.0]), (Form::Sphere, [f32::NAN, 1.0]), (Form::Coil, [1.0, 1e6])]
+        {
+            let mut spec = SceneSpec::default();
+            spec.subject.form = form;
+            let error = Scene::build(&spec, &Inputs { size_mm, ..Inputs::default() });
+            assert!(matches!(error, Err(SceneError::Tile(..))), "{size_mm:?}");
+        }
     }
 
     #[test]

@@ -4,7 +4,7 @@ use super::spec::{self, SceneSpec};
 use crate::preset::{Document, Loaded, Loader, PresetError, suggest};
 
 /// Start of the names of built-in texts in messages.
-const FOLDER: &str = "builtin/scene/";
+pub const FOLDER: &str = "builtin/scene/";
 
 macro_rules! scenes {
     ($($name:literal),* $(,)?) => {

@@ -45,16 +45,35 @@ pub fn density(width: usize, height: usize, tiles: f64, most: usize) -> Density 
     }
 }
 
-/// The mesh with each vertex moved along its normal by `amount` x height.
+/// The mesh with each vertex moved along its normal by `amount` x height; its normals and tangents stay, for normal maps
+/// that tell of the same relief.
 ///
 /// `height_mm` is read bilinearly, texel centres at half texels, and repeats. Vertices at one place move as one, by the mean
-/// of their shifts, so that a closed mesh stays closed. Normals are new: means of the triangles' at a place, weighted by
-/// their angles, where the old normals of the place agree; tangents are new as well.
+/// of their shifts, so that a closed mesh stays closed.
+pub fn shift(mesh: &Mesh, height_mm: &Plane, amount: f32, mm_per_unit: f32) -> Result<Mesh, DisplaceError> {
+    moved(mesh, height_mm, amount, mm_per_unit, &places(mesh))
+}
+
+/// The same with normals of the new surface: means of the triangles' at a place, weighted by their angles, where the old
+/// normals of the place agree; tangents are new as well.
 pub fn displace(
     mesh: &Mesh,
     height_mm: &Plane,
     amount: f32,
     mm_per_unit: f32,
+) -> Result<Mesh, DisplaceError> {
+    let places = places(mesh);
+    let mut out = moved(mesh, height_mm, amount, mm_per_unit, &places)?;
+    out.normals = smooth_normals(&out.positions, &out.triangles, &places, Some(&mesh.normals));
+    Ok(tangents::generate(&out)?)
+}
+
+fn moved(
+    mesh: &Mesh,
+    height_mm: &Plane,
+    amount: f32,
+    mm_per_unit: f32,
+    places: &[usize],
 ) -> Result<Mesh, DisplaceError> {
     mesh.check_shape()?;
     if height_mm.data().is_empty() {
@@ -64,7 +83,6 @@ pub fn displace(
     if !(finite && mm_per_unit > 0.0 && mm_per_unit.is_finite()) {
         return Err(DisplaceError::NotFinite);
     }
-    let places = places(mesh);
     let mut shifts = vec![(DVec3::ZERO, 0u32); mesh.positions.len()];
     for (i, &place) in places.iter().enumerate() {
         let height = sample(height_mm, mesh.uvs[i]) * amount / mm_per_unit;
@@ -72,15 +90,14 @@ pub fn displace(
         shifts[place] = (sum + (mesh.normals[i] * height).as_dvec3(), count + 1);
     }
     let mut out = mesh.clone();
-    for (position, &place) in out.positions.iter_mut().zip(&places) {
+    for (position, &place) in out.positions.iter_mut().zip(places) {
         let (sum, count) = shifts[place];
         *position += (sum / f64::from(count.max(1))).as_vec3();
     }
     if !out.positions.iter().all(|p| p.is_finite()) {
         return Err(DisplaceError::NotFinite);
     }
-    out.normals = smooth_normals(&out.positions, &out.triangles, &places, Some(&mesh.normals));
-    Ok(tangents::generate(&out)?)
+    Ok(out)
 }
 
 /// The height at a texture coordinate, toroidal.
@@ -158,6 +175,10 @@ mod tests {
         let cosine = |x: f64| (std::f64::consts::TAU * 2.0 * x).cos() as f32;
         let map = Plane::from_fn(512, 2, |x, _| a * unit * cosine((x as f64 + 0.5) / 512.0));
         let out = displace(&plane, &map, 1.0, unit).unwrap();
+        let shifted = shift(&plane, &map, 1.0, unit).unwrap();
+        assert!(
+            shifted.positions.iter().all(|p| (p.z - a).abs() < 2.001 * a) && shifted.normals == plane.normals
+        );
         let mut steepest = 0f32;
         for ((p, n), uv) in out.positions.iter().zip(&out.normals).zip(&out.uvs) {
             let phase = 4.0 * std::f32::consts::PI * uv.x;

@@ -110,7 +110,7 @@ mod tests {
         spec.subject.triangles = 1000;
         spec.environment.kind = crate::scene::spec::Surroundings::None;
         spec.ground.show = false;
-        spec.material.n_layer = 1.0;
+        spec.material.n_layer = Some(1.0);
         let mut scene = Scene::build(&spec, &Inputs::default()).expect("it can be built");
         scene.materials[0].color = LinearRgb::default();
         scene

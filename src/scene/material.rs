@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::base::{LinearRgb, MapKind, num};
+use crate::base::{LinearRgb, MapKind, Plane, num};
 use crate::maps::{NormalFormat, TextureSet};
 use crate::optics::layered::Constants;
 
@@ -101,6 +101,16 @@ impl SkinMaps {
         Self { width, height, texels, height_mm, size_mm }
     }
 
+    /// The height map, if the set has it.
+    pub fn height_plane(&self) -> Option<Plane> {
+        self.height_mm.as_ref().map(|heights| Plane::from_vec(self.width, self.height, heights.clone()))
+    }
+
+    /// Whether any normal is not straight up.
+    pub fn has_bumps(&self) -> bool {
+        self.texels.iter().any(|t| t.normal[0] != 0.0 || t.normal[1] != 0.0)
+    }
+
     /// The texel at texture coordinates in tiles, bilinear between texel centres, the tile repeated; its normal is unit.
     #[inline]
     pub fn sample(&self, u: f32, v: f32) -> Texel {
@@ -158,7 +168,7 @@ fn unit([x, y, z]: [f32; 3]) -> [f32; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::base::{Domain, Plane};
+    use crate::base::Domain;
     use crate::maps::MapImage;
     use std::collections::BTreeMap;
 
@@ -169,6 +179,7 @@ mod tests {
             preset: "test".into(),
             seed: 1,
             preset_hash: [0; 32],
+            optics: Default::default(),
         }
     }
 

@@ -21,6 +21,7 @@ use super::material::Texel;
 use super::pose::Pose;
 use super::tone::{Metering, ToneMap};
 use crate::base::{LinearRgb, Srgb8};
+use crate::optics::SkinOptics;
 use crate::optics::layered::{Albedo, Constants, Energy};
 use crate::preset::{Diagnostic, Diagnostics, Document, Item, PresetError, Table, section, suggest};
 
@@ -102,11 +103,22 @@ pub struct Subject {
     /// Turned around the vertical.
     #[schemars(range(min = -360.0, max = 360.0), extend("x-unit" = "degrees"))]
     pub turn_deg: f32,
+    /// The surface is moved by so many times the height map: 1 is the skin's own relief, 0 leaves it to the normal map.
+    /// The mesh gets as fine as the map, up to 4 million triangles.
+    #[schemars(range(min = -100.0, max = 100.0))]
+    pub displacement: f32,
 }
 
 impl Default for Subject {
     fn default() -> Self {
-        Self { form: Form::Coil, length: None, cross_section: 0.25, triangles: 200_000, turn_deg: 0.0 }
+        Self {
+            form: Form::Coil,
+            length: None,
+            cross_section: 0.25,
+            triangles: 200_000,
+            turn_deg: 0.0,
+            displacement: 0.0,
+        }
     }
 }
 
@@ -300,28 +312,6 @@ impl Default for LightSpec {
     }
 }
 
-/// What the albedo of the base means.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum AlbedoSpec {
-    /// What is seen from outside: what textures hold.
-    #[default]
-    Apparent,
-    /// Of the base itself, below film and layer.
-    Intrinsic,
-}
-
-/// How the light that is not reflected is shared out.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum EnergySpec {
-    /// As on smooth skin: fast.
-    #[default]
-    Flat,
-    /// Exact for rough skin, too, by a table.
-    Coupled,
-}
-
 /// `[material]`: the optics of the skin, and what stands in for maps that are not there.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields, default)]
@@ -329,19 +319,21 @@ pub struct MaterialSpec {
     /// Refractive index outside: air has 1, water 1.33.
     #[schemars(range(min = 1.0, max = 4.0))]
     pub n_outside: f32,
-    /// Refractive index of the film: keratin has 1.55.
+    /// Refractive index of the film, keratin's 1.55 unless set; the preset's own unless set here.
     #[schemars(range(min = 1.0, max = 4.0))]
-    pub n_film: f32,
-    /// Refractive index of the layer below the film.
+    pub n_film: Option<f32>,
+    /// Refractive index of the layer below the film, or of the surface where there is no film; the preset's own unless
+    /// set here, and 2 where neither sets it.
     #[schemars(range(min = 1.0, max = 4.0))]
-    pub n_layer: f32,
-    /// Absorption coefficient times thickness of that layer, for red, green and blue; 0 is clear.
+    pub n_layer: Option<f32>,
+    /// Absorption coefficient times thickness of that layer, for red, green and blue; the preset's own unless set here,
+    /// and 0, clear, where neither sets it.
     #[schemars(inner(range(min = 0.0, max = 1000.0)))]
-    pub absorption: [f32; 3],
-    /// What the colour map holds.
-    pub albedo: AlbedoSpec,
+    pub absorption: Option<[f32; 3]>,
+    /// What the colour map holds; the preset's own unless set here, and `apparent` where neither sets it.
+    pub albedo: Option<Albedo>,
     /// How the light that is not reflected is shared out.
-    pub energy: EnergySpec,
+    pub energy: Energy,
     /// Colour where there is no map, sRGB.
     pub color: Srgb8,
     /// Roughness where there is no map; alpha is its square.
@@ -354,14 +346,13 @@ pub struct MaterialSpec {
 
 impl Default for MaterialSpec {
     fn default() -> Self {
-        let Constants { indices: [n_outside, n_film, n_layer], absorption, .. } = Constants::default();
         Self {
-            n_outside,
-            n_film,
-            n_layer,
-            absorption,
-            albedo: AlbedoSpec::Apparent,
-            energy: EnergySpec::Flat,
+            n_outside: 1.0,
+            n_film: None,
+            n_layer: None,
+            absorption: None,
+            albedo: None,
+            energy: Energy::Flat,
             color: Srgb8([0x6e, 0x4a, 0x2c]),
             roughness: 0.25,
             film_nm: 0.0,
@@ -380,21 +371,11 @@ impl MaterialSpec {
         }
     }
 
-    /// The constants of the BRDF.
-    pub fn constants(&self) -> Constants {
-        Constants {
-            indices: [self.n_outside, self.n_film, self.n_layer],
-            absorption: self.absorption,
-            albedo: match self.albedo {
-                AlbedoSpec::Apparent => Albedo::Apparent,
-                AlbedoSpec::Intrinsic => Albedo::Intrinsic,
-            },
-            energy: match self.energy {
-                EnergySpec::Flat => Energy::Flat,
-                EnergySpec::Coupled => Energy::Coupled,
-            },
-            ..Constants::default()
-        }
+    /// The constants of the BRDF on a skin of these optics: what the scene sets wins.
+    pub fn constants(&self, skin: SkinOptics) -> Constants {
+        let Self { n_film, n_layer, absorption, albedo, energy, .. } = *self;
+        let own = SkinOptics { n_film, n_layer, absorption, albedo };
+        Constants { energy, ..own.or(skin).constants(self.n_outside) }
     }
 }
 
@@ -576,7 +557,7 @@ mod tests {
         let (spec, warnings) = read(&document).expect("sound");
         assert!(warnings.is_empty());
         assert_eq!(spec, SceneSpec { name: "my snake".into(), ..SceneSpec::default() });
-        assert_eq!(spec.material.constants(), Constants::default());
+        assert_eq!(spec.material.constants(SkinOptics::default()), Constants::default());
     }
 
     #[test]
@@ -587,7 +568,9 @@ mod tests {
             assert!(overrides::apply(&mut document, setting, &mut diagnostics), "{setting}");
         }
         let (spec, _) = read(&document).expect("sound");
-        assert_eq!((spec.camera.f_number, spec.material.n_film), (Some(8.0), 1.4));
+        assert_eq!((spec.camera.f_number, spec.material.n_film), (Some(8.0), Some(1.4)));
+        let skin = SkinOptics { n_film: Some(1.5), n_layer: Some(1.7), ..SkinOptics::default() };
+        assert_eq!(spec.material.constants(skin).indices, [1.0, 1.4, 1.7], "the scene's own keys win");
         assert_eq!((spec.subject.form, spec.light[0].kind), (Form::Plane, Lamp::Sun));
     }
 

@@ -12,38 +12,56 @@ use super::cli::ophidian;
 const README: &str = include_str!("../../README.md");
 
 #[test]
-fn the_schema_in_docs_is_what_the_command_prints() {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/preset.schema.json");
-    let output = ophidian().arg("schema").output().expect("the command runs");
-    let schema = String::from_utf8(output.stdout).expect("UTF-8");
-    let update = std::env::var_os("UPDATE_GOLDEN").is_some();
-    if update {
-        std::fs::write(&path, &schema).expect("docs/ can be written");
+fn the_schemas_in_docs_are_what_the_command_prints() {
+    let mut rewritten = Vec::new();
+    for (file, args) in
+        [("preset.schema.json", &["schema"][..]), ("scene.schema.json", &["schema", "--scene"])]
+    {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs").join(file);
+        let output = ophidian().args(args).output().expect("the command runs");
+        let schema = String::from_utf8(output.stdout).expect("UTF-8");
+        if std::env::var_os("UPDATE_GOLDEN").is_some() {
+            std::fs::write(&path, &schema).expect("docs/ can be written");
+            rewritten.push(file);
+        }
+        let text = std::fs::read_to_string(&path).unwrap_or_default();
+        assert!(
+            text == schema,
+            "docs/{file} is old: UPDATE_GOLDEN=1 cargo test the_schemas_in_docs rewrites it"
+        );
     }
-    let file = std::fs::read_to_string(&path).unwrap_or_default();
     assert!(
-        file == schema,
-        "docs/preset.schema.json is old: UPDATE_GOLDEN=1 cargo test the_schema_in_docs rewrites it"
-    );
-    assert!(
-        !update,
-        "the schema was rewritten: look at the difference, then run again without UPDATE_GOLDEN"
+        rewritten.is_empty(),
+        "{rewritten:?} were rewritten: look at the difference, then run again without UPDATE_GOLDEN"
     );
 }
 
 #[test]
-fn every_preset_in_the_readme_is_sound_and_makes_its_maps() {
+fn every_preset_and_scene_in_the_readme_is_sound_and_makes_something() {
     let blocks: Vec<&str> =
         README.split("```toml\n").skip(1).filter_map(|text| text.split("```").next()).collect();
     assert!(blocks.len() >= 4, "{}", blocks.len());
     for block in blocks {
         let dir = tempfile::tempdir().expect("a directory");
         std::fs::write(dir.path().join("snake.toml"), block).expect("a file");
-        let output = ophidian()
-            .current_dir(dir.path())
-            .args(["generate", "snake.toml", "--size", "64", "--quiet"])
-            .output()
-            .expect("the command runs");
+        let args: &[&str] = if block.starts_with("#:schema docs/scene") {
+            &[
+                "render",
+                "python_regius",
+                "--scene",
+                "snake.toml",
+                "--map-size",
+                "32",
+                "--size",
+                "8x6",
+                "--spp",
+                "1",
+                "--quiet",
+            ]
+        } else {
+            &["generate", "snake.toml", "--size", "64", "--quiet"]
+        };
+        let output = ophidian().current_dir(dir.path()).args(args).output().expect("the command runs");
         let text = String::from_utf8_lossy(&output.stderr);
         assert!(output.status.success(), "{text}\n{block}");
     }

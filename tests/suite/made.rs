@@ -44,7 +44,8 @@ pub(crate) fn make(graph: &Graph, wanted: &[MapKind], domain: Domain) -> Texture
     let plan = Plan::new(graph, wanted, domain, None).expect("a plan");
     let made = eval::run(&plan, Control::default()).expect("nobody cancels");
     let preset_hash = graph::preset_hash(graph);
-    assemble(made, SetId { domain, preset: graph.name.clone(), seed: graph.seed, preset_hash })
+    let (preset, optics) = (graph.name.clone(), graph.optics);
+    assemble(made, SetId { domain, preset, seed: graph.seed, preset_hash, optics })
 }
 
 /// Every built-in preset at 256, all maps, all with a film.

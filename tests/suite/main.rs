@@ -12,6 +12,7 @@ mod layers;
 mod made;
 mod mutations;
 mod registration;
+mod render;
 mod report;
 mod resolution;
 mod species;
