@@ -467,7 +467,7 @@ pub(super) struct Report {
     #[arg(value_enum, default_value = "optics")]
     pub(super) kind: ReportKind,
     /// `convergence`: a built-in scene or a scene file.
-    #[arg(default_value = "coil")]
+    #[arg(default_value = "studio")]
     pub(super) scene: String,
     /// `convergence`: a built-in preset, a preset file, or a directory that `generate` wrote one set to.
     #[arg(long, value_name = "PRESET|SET", default_value = "lampropeltis_triangulum")]

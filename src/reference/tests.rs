@@ -119,6 +119,41 @@ fn a_rectangle_overhead_gives_the_irradiance_of_its_form_factor() {
 }
 
 #[test]
+fn the_error_of_independent_samples_falls_as_chance_says_and_that_of_sobol_points_faster() {
+    let lamp = Light::Area {
+        center: Vec3::new(0.3, 0.9, 0.0),
+        u: Vec3::new(0.4, 0.0, 0.0),
+        v: Vec3::new(0.0, 0.0, 0.4),
+        radiance: LinearRgb([3.0; 3]),
+    };
+    let mut scene = scene(skin(matt(), 0.8, 0.3, 0.0), vec![lamp], 0.0);
+    scene.camera.position.y = 0.8;
+    let direct = Transport::Direct { environment_shadows: true };
+    let of = |sampler, samples| {
+        let settings = Settings { transport: direct, width: 64, height: 64, sampler, ..settings(samples) };
+        Renderer::new(&scene).expect("sound").render(&settings, Control::default()).rgb()
+    };
+    let exact = of(SamplerKind::Sobol, 1 << 11).iter().map(|p| f64::from(p[0])).sum::<f64>() / 4096.0;
+    let slope = |sampler| {
+        let logs: Vec<(f64, f64)> = (0..5)
+            .map(|i| 4u32.pow(i + 1))
+            .map(|n| {
+                let sum: f64 = of(sampler, n).iter().map(|p| (f64::from(p[0]) - exact).powi(2)).sum();
+                (f64::from(n).ln(), (sum / 4096.0).ln())
+            })
+            .collect();
+        let (mx, my) =
+            (logs.iter().map(|p| p.0).sum::<f64>() / 5.0, logs.iter().map(|p| p.1).sum::<f64>() / 5.0);
+        logs.iter().map(|p| (p.0 - mx) * (p.1 - my)).sum::<f64>()
+            / logs.iter().map(|p| (p.0 - mx).powi(2)).sum::<f64>()
+    };
+    let independent = slope(SamplerKind::Independent);
+    assert!((independent + 1.0).abs() < 0.05, "{independent}");
+    let sobol = slope(SamplerKind::Sobol);
+    assert!(sobol < -1.3, "{sobol}");
+}
+
+#[test]
 fn a_film_under_a_white_sky_has_the_colour_of_the_exact_series() {
     for (d, roughness) in [(0.0, 0.0), (400.0, 0.0), (600.0, 0.0), (2.4e6, 0.0)] {
         let scene = scene(skin(Constants::default(), 0.0, roughness, d), vec![], 1.0);
