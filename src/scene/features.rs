@@ -23,6 +23,12 @@ pub struct SceneFeatures {
     pub intrinsic_albedo: bool,
     /// Energy is shared out by the table somewhere.
     pub coupled_energy: bool,
+    /// A base that wraps around: it lights the far side.
+    pub wrapped_base: bool,
+    /// Indices that depend on the wavelength.
+    pub dispersion: bool,
+    /// Ridges that diffract.
+    pub grating: bool,
     /// Roughness 0 somewhere: a mirror.
     pub mirror: bool,
     /// Textures.
@@ -79,15 +85,20 @@ impl SceneFeatures {
         let texels = material.maps.as_deref().map_or(&constant[..], |maps| &maps.texels);
         let constants = &material.constants;
         let [outside, film, layer] = constants.indices;
-        let can_film = film != outside && film != layer;
+        // Indices that are alike at one wavelength are not at another.
+        let dispersed = constants.dispersion_nm2 != [0.0; 2];
+        let can_film = dispersed || (film != outside && film != layer);
         let has_film = can_film && texels.iter().any(|t| t.thickness_nm > 0.0);
         self.film |= has_film;
-        self.interface |= outside != layer || has_film;
+        self.interface |= outside != layer || has_film || dispersed;
         self.total_reflection |= layer < outside || (has_film && film < outside);
         self.absorber |= constants.absorption.iter().any(|a| *a > 0.0);
         self.base |= texels.iter().any(|t| t.color.iter().any(|c| *c > 0.0));
         self.intrinsic_albedo |= constants.albedo == Albedo::Intrinsic;
         self.coupled_energy |= constants.energy == Energy::Coupled;
+        self.wrapped_base |= constants.base.wraps();
+        self.dispersion |= dispersed;
+        self.grating |= constants.grating.is_some_and(|g| g.height_nm > 0.0);
         self.mirror |= texels.iter().any(|t| t.roughness <= 0.0);
         self.maps |= material.maps.is_some();
         self.normal_map |= texels.iter().any(|t| t.normal[0] != 0.0 || t.normal[1] != 0.0);
@@ -100,6 +111,7 @@ impl SceneFeatures {
 mod tests {
     use super::*;
     use crate::base::LinearRgb;
+    use crate::optics::{Base, Grating};
     use crate::scene::{EnvironmentImage, Inputs, SceneSpec, SkinMaps, Texel};
     use glam::Vec3;
     use std::sync::Arc;
@@ -144,6 +156,22 @@ mod tests {
             (|s| s.materials[0].color = LinearRgb([0.0, 0.0, 0.2]), |f| f.base = true),
             (|s| s.materials[0].constants.albedo = Albedo::Intrinsic, |f| f.intrinsic_albedo = true),
             (|s| s.materials[0].constants.energy = Energy::Coupled, |f| f.coupled_energy = true),
+            (
+                |s| s.materials[0].constants.base = Base::Curved { curvature_per_mm: 0.1 },
+                |f| f.wrapped_base = true,
+            ),
+            (
+                |s| s.materials[0].constants.dispersion_nm2 = [0.0, 5890.0],
+                |f| (f.dispersion, f.interface) = (true, true),
+            ),
+            (
+                |s| {
+                    let [period_nm, height_nm, direction_rad] = [900.0, 50.0, 0.0];
+                    let grating = Grating { period_nm, height_nm, direction_rad };
+                    s.materials[0].constants.grating = Some(grating);
+                },
+                |f| f.grating = true,
+            ),
             (|s| s.materials[0].roughness = 0.0, |f| f.mirror = true),
             (|s| maps(s, |_| ()), |f| f.maps = true),
             (
