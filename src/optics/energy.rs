@@ -13,7 +13,7 @@
 //! reciprocity this is section 4.4's sum of partial and total reflection, for any n0, n2. `rho(0) = 1 - (n0/n2)^2 J` with
 //! `J = 2 int T u du`.
 //!
-//! [`specular_albedo`] and [`furnace`] are the truth, in f64, by quadrature. [`Table`] is for shading.
+//! [`specular_albedo`] and [`furnace`] are the truth, in f64, by quadrature. `Table` is for shading.
 
 use super::absorption::cosine_in_layer;
 use super::ggx;
