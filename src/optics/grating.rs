@@ -181,7 +181,7 @@ impl<F: Real> Ridges<F> {
         let moved = self.moved(wo, m, shift);
         let b = dot(half, moved);
         let root = b.squared() - dot(moved, moved) + F::ONE;
-        if !(root > F::ZERO) {
+        if root.partial_cmp(&F::ZERO) != Some(std::cmp::Ordering::Greater) {
             return None;
         }
         let s = b + root.safe_sqrt();
