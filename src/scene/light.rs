@@ -180,7 +180,7 @@ struct SeenRectangle {
 
 /// Below this solid angle, as its middle gives it, a rectangle is sampled by area: over so little of the sky the density
 /// hardly varies, and four arc tangents are saved.
-const SMALL: f64 = 0.1;
+const SMALL: f64 = 0.02;
 
 /// The formulas lose their digits below this solid angle.
 const LEAST: f64 = 1e-6;
@@ -343,7 +343,7 @@ mod tests {
                 let near = |a: f32, b: f32, tolerance: f32| (a / b - 1.0).abs() < tolerance;
                 assert!(near(hit.distance, s.distance, 1e-5) && near(hit.pdf, s.pdf, 1e-5));
                 // The same everywhere, or nearly so where the rectangle is small.
-                assert!(near(s.pdf, pdf, if omega > 0.1 { 1e-6 } else { 0.5 }), "{point} {} {pdf}", s.pdf);
+                assert!(near(s.pdf, pdf, if omega > 0.02 { 1e-6 } else { 0.5 }), "{point} {} {pdf}", s.pdf);
             }
         }
     }
