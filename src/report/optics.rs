@@ -246,7 +246,8 @@ fn films(
             failures.push(format!("{SHADING} is only {closer:.0} times closer than three wavelengths"));
         }
     }
-    if !within(quadrature, 1e-6) {
+    // The transform ends at 41 um of path: what a sharp resonance has beyond it is up to 1.3e-6 on this grid.
+    if !within(quadrature, 5e-6) {
         failures.push(format!("the truth and its integration differ by {quadrature:e}"));
     }
     page.prose(
