@@ -61,11 +61,12 @@
 //! | [`maps`] | the texture set, and its values as integers | `base` `optics` `eval` |
 //! | `io` | files: PNG, OpenEXR, manifest, all or nothing (feature `files`) | `base` `optics` `node` `maps` |
 //! | `scene` | what renderers see: meshes, materials, lights, cameras (feature `render`) | `base` `optics` `preset` `maps` |
+//! | `preview` | the picture now: a scene drawn on a GPU (feature `preview`) | `base` `optics` `scene` |
 //! | `reference` | ground truth: a spectral path tracer (feature `render`) | `base` `optics` `scene` |
 //! | `report` | what every shortcut costs: errors against times, as a page (feature `render`) | `optics` `scene` `reference` |
 //! | `cli` | the command (feature `cli`); imported by nothing | all of them |
 //!
-//! Files, environment and threads are touched in `io` and `cli` only, a clock in `eval::trace` as well.
+//! Files, environment and threads are touched in `io` and `cli` only, a clock in `eval::trace` as well. `preview` asks drivers.
 //!
 //! # Where things are decided
 //!
@@ -82,7 +83,8 @@
 //! # Features
 //!
 //! `cli` (default) is the command and needs the others; `files` is PNG, OpenEXR and manifests; `render` is scenes, the path
-//! tracer and the reports. Without any, the library touches no file system and also builds for WebAssembly.
+//! tracer and the reports; `preview` draws on a GPU. Without any, the library touches no file system and also builds for
+//! WebAssembly.
 #![warn(unreachable_pub)]
 
 pub mod base;
@@ -97,6 +99,8 @@ pub mod node;
 pub mod optics;
 pub mod plan;
 pub mod preset;
+#[cfg(feature = "preview")]
+pub mod preview;
 #[cfg(feature = "render")]
 pub mod reference;
 #[cfg(feature = "render")]
