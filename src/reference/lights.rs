@@ -124,17 +124,21 @@ impl<'a> Lights<'a> {
         Some(Found { radiance: *radiance, pdf: pdf * self.chances[i + 1] })
     }
 
+    /// What comes from the environment in a direction. Its density is computed only if `pdf_wanted`.
+    #[inline(always)]
+    pub(super) fn sky(&self, direction: Vec3, pdf_wanted: bool) -> Option<Found> {
+        let environment = self.environment.as_ref()?;
+        if pdf_wanted {
+            let (radiance, pdf) = environment.look(direction);
+            return Some(Found { radiance, pdf: pdf * self.chances[0] });
+        }
+        Some(Found { radiance: self.scene.environment.radiance(direction), pdf: 0.0 })
+    }
+
     /// What comes from far away in a direction: the environment, and discs of directional lights. Densities are computed
     /// only if `pdf_wanted`.
     #[inline(always)]
     pub(super) fn far(&self, direction: Vec3, pdf_wanted: bool) -> impl Iterator<Item = Found> {
-        let sky = self.environment.as_ref().map(|environment| {
-            if pdf_wanted {
-                let (radiance, pdf) = environment.look(direction);
-                return Found { radiance, pdf: pdf * self.chances[0] };
-            }
-            Found { radiance: self.scene.environment.radiance(direction), pdf: 0.0 }
-        });
         let suns = self.scene.lights.iter().zip(&self.chances[1..]).filter_map(move |(light, chance)| {
             if matches!(light, Light::Area { .. }) {
                 return None;
@@ -142,7 +146,7 @@ impl<'a> Lights<'a> {
             let hit = light.hit(Vec3::ZERO, direction)?;
             Some(Found { radiance: hit.radiance, pdf: hit.pdf * chance })
         });
-        sky.into_iter().chain(suns)
+        self.sky(direction, pdf_wanted).into_iter().chain(suns)
     }
 }
 

@@ -134,7 +134,12 @@ impl World<'_> {
             }
             match next {
                 Some(next) if !ghostly => hit = next,
-                _ => {
+                // The environment shines through what was met; suns do not.
+                Some(_) => {
+                    self.lights.sky(direction, asked).into_iter().for_each(met);
+                    return radiance;
+                }
+                None => {
                     self.lights.far(direction, asked).for_each(met);
                     return radiance;
                 }
