@@ -78,7 +78,7 @@ pub struct Renderer<'a> {
 }
 
 impl<'a> Renderer<'a> {
-    /// Sort triangles and lights. It takes about a second per million triangles.
+    /// Sort triangles and lights. It takes about two seconds per million triangles.
     ///
     /// # Errors
     /// If a mesh or a material is not sound.
