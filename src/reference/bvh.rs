@@ -128,3 +128,6 @@ impl Bvh {
 fn positions(mesh: &Mesh, indices: [u32; 3]) -> [Vec3A; 3] {
     indices.map(|i| Vec3A::from(mesh.positions[i as usize]))
 }
+
+#[cfg(test)]
+mod tests;
