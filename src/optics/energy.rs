@@ -28,7 +28,7 @@ pub(super) const ANGLES: usize = 24;
 /// `E = int D V R nl dwi`, in slopes `alpha tan(psi)` of the microfacets, which fill psi evenly but for smooth factors
 /// (GGX is `cos^4 psi` over slopes), up to where the reflected ray meets the horizon. Gauss-Legendre rules in psi, crowded at
 /// that end, and around in two halves, crowded across the view: right to 1e-6 with 24 `points`, to 1e-8 with 48.
-fn visit_lobe(alpha: f64, cosine: f64, points: usize, mut visit: impl FnMut(f64, f64)) {
+pub fn visit_lobe(alpha: f64, cosine: f64, points: usize, mut visit: impl FnMut(f64, f64)) {
     use std::f64::consts::{FRAC_PI_2, PI};
     let u = cosine.clamp(1e-9, 1.0);
     if alpha == 0.0 {

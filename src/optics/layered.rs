@@ -160,6 +160,23 @@ impl<F: Real> Layers<F> {
         self.tables[usize::from(rgb)].get_or_init(|| Table::new(&self.double, dispersion, rgb, rough))
     }
 
+    /// What becomes of diffuse light below a film of this thickness, nm, and roughness: what shaders keep in tables.
+    pub fn below<B: Bands<F, N>, const N: usize>(
+        &self,
+        bands: &B,
+        thickness_nm: F,
+        roughness: F,
+        absorption: [F; N],
+    ) -> Below<F, N> {
+        let (table, tau) = (self.table(B::RGB), absorption.map(|t| t.max(F::ZERO)));
+        let film = self.film.with_thickness(thickness_nm);
+        let place = table.place(roughness, self.fringes(bands, &film), bands.wavelengths_nm());
+        let (leaving, eta) = (table.leaving(&place), self.eta(bands));
+        let mut entering = table.crossing(&leaving, tau);
+        (0..N).for_each(|i| entering[i] = entering[i] / eta[i]);
+        Below { clear: leaving.clear, lost: table.lost(&leaving, tau), entering }
+    }
+
     /// What the film reflects, in each band.
     #[inline(always)]
     fn reflectance<B: Bands<F, N>, const N: usize>(&self, bands: &B, film: &Film<F>, cosine: F) -> [F; N] {
@@ -322,6 +339,17 @@ fn dispersed<F: Real, B: Bands<F, N>, const N: usize, const REFLECTED: bool>(
         if REFLECTED { power.reflected } else { power.transmitted }
     };
     bands.each(at).map(F::saturate)
+}
+
+/// What becomes of diffuse light below the film, in each band. See [`super::energy`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Below<F, const N: usize> {
+    /// `1 - rho(0)`: what does not return to the base of light that it sends up, without absorption.
+    pub clear: [F; N],
+    /// `1 - rho(tau)`: the same with it, where what is absorbed is lost, too.
+    pub lost: [F; N],
+    /// Part of even light from outside that reaches the base: `2 int_0^1 T(u) exp(-tau/c2(u)) u du`.
+    pub entering: [F; N],
 }
 
 /// What a point of the surface has of its own.

@@ -80,6 +80,13 @@ impl SceneFeatures {
         found
     }
 
+    /// What one material has.
+    pub fn of_material(material: &Material) -> Self {
+        let mut found = Self::default();
+        found.add_material(material);
+        found
+    }
+
     fn add_material(&mut self, material: &Material) {
         let constant = [material.constant()];
         let texels = material.maps.as_deref().map_or(&constant[..], |maps| &maps.texels);

@@ -369,6 +369,15 @@ impl<F: Real> Table<F> {
         out
     }
 
+    /// `(n0/n2)^2 2 int T(u) exp(-tau/c2(u)) u du`: what crosses film and layer once, for each band.
+    pub(in super::super) fn crossing<const N: usize>(&self, leaving: &Leaving<F, N>, tau: [F; N]) -> [F; N] {
+        let half = F::from_f64(0.5);
+        std::array::from_fn(|i| {
+            let part = |m: usize| leaving.parts[m][i] * (tau[i] * self.depths[m] * half).decay();
+            (0..DEPTHS).fold(F::ZERO, |sum, m| sum + part(m)).max(F::ZERO)
+        })
+    }
+
     /// `1 - rho(tau)`: what does not return to the base, for each band.
     #[inline(always)]
     pub(in super::super) fn lost<const N: usize>(&self, leaving: &Leaving<F, N>, tau: [F; N]) -> [F; N] {

@@ -437,3 +437,29 @@ fn nothing_but_numbers_in_f32() {
         sweep(&spectral, &Constants { indices, energy: Energy::Coupled, ..Constants::default() }, 10_000);
     }
 }
+
+#[test]
+fn light_below_the_film_is_what_the_integrals_say() {
+    for (indices, tau) in [([1.0, 1.55, 2.0], 0.6), ([1.0, 1.55, 2.0], 0.0), ([1.0, 1.55, 1.33], 2.0)] {
+        let layers = Layers::<f64>::new(&Constants { indices, ..Constants::default() }).expect("a material");
+        let bands = Spectral::new([550.0]);
+        let film = layers.double.with_thickness(400.0);
+        let below = layers.below(&bands, 400.0, 0.0, [tau]);
+        let rho = |tau: f64| energy::furnace(&film, 550.0, 0.0, 0.5, tau, 0.5).internal_flat;
+        let integral = |node: &(f64, f64)| {
+            let (u, w) = *node;
+            let way = tau / cosine_in_layer(1.0, film.indices()[2], u);
+            2.0 * u * w * film.power(u, 550.0).transmitted * libm::exp(-way)
+        };
+        let entering: f64 = gauss_legendre(64).iter().map(integral).sum();
+        for (what, got, expected) in [
+            ("clear", below.clear[0], 1.0 - rho(0.0)),
+            ("lost", below.lost[0], 1.0 - rho(tau)),
+            ("entering", below.entering[0], entering),
+        ] {
+            assert!((got - expected).abs() < 2e-4, "{indices:?} {tau} {what}: {got} {expected}");
+        }
+        // The control: another thickness is another film.
+        assert!((layers.below(&bands, 430.0, 0.0, [tau]).entering[0] - entering).abs() > 1e-3);
+    }
+}

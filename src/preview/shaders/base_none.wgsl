@@ -1,0 +1,7 @@
+// A black base sends nothing back.
+
+fn base_view(s: ptr<function, Skin>, albedo: vec3f) {}
+
+fn base_shine(s: Skin, nl: f32) -> vec3f {
+    return vec3f(0.0);
+}

@@ -1,0 +1,70 @@
+// The skin at a point: gloss of the film over what comes from the base.
+//
+// Directions are unit vectors away from the surface in the frame of the shading normal, z along it. The formulas are those
+// of `optics::layered` in flat mode, with colours by the series of FILM_ORDER terms.
+
+const PI = 3.14159265;
+// Smoother is a mirror, which lights that are points are never seen in: `optics::layered::LEAST_ROUGHNESS`.
+const LEAST_ROUGHNESS = 0.01;
+
+struct SurfacePoint {
+    albedo: vec3f,
+    roughness: f32,
+    // Thickness of the film, and how much it varies over the pixel.
+    thickness_nm: f32,
+    spread_nm: f32,
+}
+
+struct Film {
+    thickness_nm: f32,
+    spread_nm: f32,
+}
+
+// All that does not depend on the light.
+struct Skin {
+    wo: vec3f,
+    roughness: f32,
+    film: Film,
+    // What the base sends to the eye of light that has entered along a direction, per cosine.
+    base: vec3f,
+    // Part of even light that reaches the base.
+    entering: vec3f,
+}
+
+fn skin_view(p: SurfacePoint, wo: vec3f) -> Skin {
+    var s: Skin;
+    s.wo = wo;
+    s.roughness = clamp(p.roughness, LEAST_ROUGHNESS, 1.0);
+    s.film = Film(clamp(p.thickness_nm, 0.0, 1e9), max(p.spread_nm, 0.0));
+    if wo.z > 0.0 {
+        base_view(&s, saturate(p.albedo));
+    }
+    return s;
+}
+
+// The BRDF without the cosine, 1/sr; 0 below the horizon, but for bases that wrap around.
+fn skin_eval(s: Skin, wi: vec3f) -> vec3f {
+    return skin_shine(s, wi) / max(abs(wi.z), 1e-7);
+}
+
+// The BRDF times the cosine, 1/sr: radiance to the eye per irradiance on a surface that faces the light.
+fn skin_shine(s: Skin, wi: vec3f) -> vec3f {
+    if s.wo.z <= 0.0 {
+        return vec3f(0.0);
+    }
+    return gloss_shine(s, wi) + base_shine(s, wi.z);
+}
+
+// Radiance to the eye by light from all around: the base by the irradiance over pi, the gloss by the radiance around the
+// mirror direction, filtered by the lobe of `skin_alpha`.
+fn skin_ambient(s: Skin, irradiance_over_pi: vec3f, prefiltered: vec3f) -> vec3f {
+    if s.wo.z <= 0.0 {
+        return vec3f(0.0);
+    }
+    return s.base * s.entering * PI * irradiance_over_pi + gloss_ambient(s) * prefiltered;
+}
+
+// Width of the lobe: `optics::ggx::alpha`.
+fn skin_alpha(s: Skin) -> f32 {
+    return s.roughness * s.roughness;
+}
