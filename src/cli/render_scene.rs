@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use super::args::{Render, StageArg, TransportArg};
+use super::args::{Render, SizeArg, StageArg, TransportArg};
 use super::exit::{Exit, Failure};
 use super::progress::Progress;
 use super::stage::{self, Skin, Source};
@@ -15,9 +15,20 @@ use crate::io;
 use crate::reference::{Control, Film, Renderer, Settings, Stage, Transport};
 use crate::scene::spec::SceneSpec;
 
+/// Of the maps of a preset, where none is given.
+const MAP_SIZE: SizeArg = SizeArg::Longer(2048);
+
 /// Make the picture and write it, also the unfinished one after Ctrl-C or at the end of the time.
 pub(super) fn run(args: &Render) -> Result<Exit, Failure> {
     let files = Files::new(&args.output)?;
+    stage::refuse_for_sets(
+        &args.skin,
+        &[
+            ("--set", !args.set.settings.is_empty()),
+            ("--seed", args.seed.is_some()),
+            ("--map-size", args.map_size.is_some()),
+        ],
+    )?;
     let displacement = args.displace.map(|amount| format!("subject.displacement={amount:?}"));
     let over: Vec<String> = args.scene_settings.iter().cloned().chain(displacement).collect();
     let text = stage::text(&args.scene, &over)?;
@@ -28,8 +39,8 @@ pub(super) fn run(args: &Render) -> Result<Exit, Failure> {
     let progress = Progress::new(args.quiet);
     let stop = signal::stop_flag();
     progress.start("skin".into());
-    let source =
-        Source { word: &args.skin, settings: &args.set.settings, seed: args.seed, size: args.map_size };
+    let size = args.map_size.unwrap_or(MAP_SIZE);
+    let source = Source { word: &args.skin, settings: &args.set.settings, seed: args.seed, size };
     let skin = Skin::load(&source, &wanted(settings.stage, spec), stop, &progress, &pool)?;
     progress.start(spec.name.clone());
     let scene = stage::build(&text, &skin, mesh)?;

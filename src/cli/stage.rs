@@ -90,6 +90,21 @@ pub(super) struct Source<'a> {
     pub(super) size: SizeArg,
 }
 
+/// Refuse options that shape the maps of a preset where the skin is a directory, whose maps are made: each option with
+/// whether it was given.
+///
+/// # Errors
+/// The first one that would do nothing.
+pub(super) fn refuse_for_sets(word: &str, options: &[(&str, bool)]) -> Result<(), Failure> {
+    match options.iter().find(|(_, given)| *given) {
+        Some((option, _)) if Path::new(word).is_dir() => Err(Failure::usage(
+            format!("{option} does nothing to `{word}`, a directory of maps that are made"),
+            "render the preset itself, or `ophidian generate` other maps",
+        )),
+        _ => Ok(()),
+    }
+}
+
 /// Maps to render, and whose they are.
 pub(super) struct Skin {
     /// Name of the preset.

@@ -11,18 +11,9 @@ use super::cli::ophidian;
 
 const PRESET: &str = "lampropeltis_triangulum";
 
-/// Few triangles, pixels, texels and samples.
-const SMALL: [&str; 9] = [
-    "--size",
-    "32x24",
-    "--map-size",
-    "64",
-    "--json",
-    "--scene-set",
-    "render.samples=1",
-    "--scene-set",
-    "subject.triangles=4000",
-];
+/// Few triangles, pixels and samples.
+const SMALL: [&str; 7] =
+    ["--size", "32x24", "--json", "--scene-set", "render.samples=1", "--scene-set", "subject.triangles=4000"];
 
 struct Run {
     code: Option<i32>,
@@ -30,16 +21,25 @@ struct Run {
     err: String,
 }
 
+/// `args` begin with the skin; maps that are not yet made are small.
 fn render(dir: &Path, args: &[&str]) -> Run {
-    let output =
-        ophidian().current_dir(dir).arg("render").args(SMALL).args(args).output().expect("the command runs");
+    let made = dir.join(args[0]).is_dir();
+    let texels: &[&str] = if made { &[] } else { &["--map-size", "64"] };
+    let output = ophidian()
+        .current_dir(dir)
+        .arg("render")
+        .args(SMALL)
+        .args(texels)
+        .args(args)
+        .output()
+        .expect("the command runs");
     let text = |bytes| String::from_utf8(bytes).expect("UTF-8");
     Run { code: output.status.code(), out: text(output.stdout), err: text(output.stderr) }
 }
 
 /// A picture that must be made, by its channels.
 fn picture(dir: &Path, args: &[&str]) -> BTreeMap<String, Vec<f32>> {
-    let run = render(dir, &[&["-o", "a.exr"], args].concat());
+    let run = render(dir, &[args, &["-o", "a.exr"]].concat());
     assert_eq!((run.code, run.err.as_str()), (Some(0), ""), "{args:?}");
     channels(&dir.join("a.exr"))
 }
@@ -185,6 +185,14 @@ fn a_set_gives_nearly_the_picture_of_its_preset() {
         mean(&picture(dir.path(), &[&[skin], &args[..]].concat())["R"])
     };
     assert!((over("set") / over(preset) - 1.0).abs() < 0.02);
+    // What would shape the maps of a preset is refused.
+    let before = files(dir.path());
+    for option in [&["--set", "body.girth=3"][..], &["--seed", "3"], &["--map-size", "32"]] {
+        let run = render(dir.path(), &[&["set"], option].concat());
+        assert_eq!((run.code, run.out.as_str()), (Some(2), ""), "{option:?}: {}", run.err);
+        assert!(run.err.contains(option[0]) && run.err.contains("`set`"), "{}", run.err);
+        assert_eq!(files(dir.path()), before);
+    }
 }
 
 #[test]
@@ -294,7 +302,7 @@ fn a_full_disk_leaves_nothing() {
             "render",
         ])
         .args(SMALL)
-        .args([PRESET, "--scene", "sphere", "-o", "a.exr"])
+        .args([PRESET, "--scene", "sphere", "--map-size", "64", "-o", "a.exr"])
         .output()
         .expect("a shell");
     let told = String::from_utf8_lossy(&output.stderr);

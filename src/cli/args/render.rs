@@ -36,9 +36,9 @@ pub(in crate::cli) struct Render {
     /// Pixels of the picture; the scene's unless set.
     #[arg(long, value_name = "WxH")]
     pub(in crate::cli) size: Option<PixelsArg>,
-    /// Texels on the longer side of the maps of a preset, or exactly WIDTHxHEIGHT.
-    #[arg(long, default_value = "2048", value_name = "N|WxH")]
-    pub(in crate::cli) map_size: SizeArg,
+    /// Texels on the longer side of the maps of a preset, or exactly WIDTHxHEIGHT; 2048 unless set.
+    #[arg(long, value_name = "N|WxH")]
+    pub(in crate::cli) map_size: Option<SizeArg>,
     /// The individual; the preset's own unless set.
     #[arg(long)]
     pub(in crate::cli) seed: Option<u64>,
