@@ -32,6 +32,17 @@ impl ToneMap {
     /// Every curve.
     pub const ALL: [Self; 5] = [Self::Clamp, Self::Reinhard, Self::Aces, Self::Agx, Self::Neutral];
 
+    /// The word for it in scenes and arguments.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Clamp => "clamp",
+            Self::Reinhard => "reinhard",
+            Self::Aces => "aces",
+            Self::Agx => "agx",
+            Self::Neutral => "neutral",
+        }
+    }
+
     /// The curve.
     pub fn map(self, color: LinearRgb) -> LinearRgb {
         // `max` first: it gives 0 for NaN.
@@ -146,6 +157,13 @@ impl Metering {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn names_are_those_that_scenes_say() {
+        for map in ToneMap::ALL {
+            assert_eq!(serde_json::to_value(map).unwrap(), map.name());
+        }
+    }
 
     #[test]
     fn limits_are_limits() {

@@ -158,10 +158,8 @@ impl From<SamplerArg> for SamplerKind {
 }
 
 fn tone(word: &str) -> Result<ToneMap, String> {
-    let name = |t: &ToneMap| format!("{t:?}").to_ascii_lowercase();
-    ToneMap::ALL.into_iter().find(|t| name(t) == word).ok_or_else(|| {
-        format!("tone curves: {}", ToneMap::ALL.iter().map(name).collect::<Vec<_>>().join(", "))
-    })
+    let known = ToneMap::ALL.into_iter().find(|t| t.name() == word);
+    known.ok_or_else(|| format!("tone curves: {}", ToneMap::ALL.map(ToneMap::name).join(", ")))
 }
 
 fn radiance(word: &str) -> Result<f32, String> {
