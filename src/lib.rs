@@ -66,7 +66,8 @@
 //! | `report` | what every shortcut costs: errors against times, as a page (feature `render`) | `optics` `scene` `reference` |
 //! | `cli` | the command (feature `cli`); imported by nothing | all of them |
 //!
-//! Files, environment and threads are touched in `io` and `cli` only, a clock in `eval::trace` as well. `preview` asks drivers.
+//! Files are touched in `io` and `cli` only, the environment in `cli`, a clock in `cli`, `report` and `eval::trace`. `cli`
+//! makes the threads; every other room works on the rayon pool that calls it. `preview` asks drivers.
 //!
 //! # Where things are decided
 //!
