@@ -151,14 +151,16 @@ impl Files {
 
     fn write(&self, film: &Film, screen: impl Fn([f32; 3]) -> Srgb8) -> Result<(), Failure> {
         let size = [film.width, film.height];
+        // Both or neither.
+        let mut staged = Vec::new();
         if let Some(path) = &self.exr {
-            io::write_channels(path, size, &film.channels())?;
+            staged.push(io::stage_channels(path, size, &film.channels())?);
         }
         if let Some(path) = &self.png {
             let pixels: Vec<Srgb8> = film.rgb().into_iter().map(screen).collect();
-            io::write_picture(path, size, &pixels)?;
+            staged.push(io::stage_picture(path, size, &pixels)?);
         }
-        Ok(())
+        Ok(staged.into_iter().try_for_each(io::Aside::commit)?)
     }
 }
 

@@ -13,7 +13,7 @@ const PREFIX: &str = ".ophidian-";
 
 /// A file that is written beside its place and not yet there. Dropped, it leaves nothing.
 #[derive(Debug)]
-pub(super) struct Aside {
+pub struct Aside {
     temp: NamedTempFile,
     path: PathBuf,
     /// Its size.
@@ -63,7 +63,10 @@ impl Aside {
     }
 
     /// Rename it to its place, replacing what was there.
-    pub(super) fn commit(self) -> Result<(), IoError> {
+    ///
+    /// # Errors
+    /// If it cannot be renamed.
+    pub fn commit(self) -> Result<(), IoError> {
         self.temp.persist(&self.path).map(drop).map_err(|e| Problem::from(e.error).at(self.path))
     }
 }

@@ -7,7 +7,8 @@
 //! | [`Manifest`], [`verify_dir`] | what a directory holds, and whether it still does |
 //! | [`read_set`] | a set of a directory, back as maps |
 //! | [`read_image`], [`load_assets`] | PNG, OpenEXR and Radiance HDR files as inputs |
-//! | [`write_picture`], [`write_channels`] | rendered pictures |
+//! | [`stage_channels`], [`stage_picture`], [`write_picture`] | rendered pictures |
+//! | [`Aside`] | a file that is written and not yet in its place, so that several come together |
 //! | [`write_text`] | a text file, whole or not at all |
 //! | [`IoError`] | a path and what is wrong with it |
 //!
@@ -25,6 +26,7 @@ mod read;
 mod sets;
 mod write;
 
+pub use atomic::Aside;
 pub use error::{IoError, Problem};
 pub use exr::{ExrCompression, ExrOptions, ExrSample};
 pub use manifest::{
@@ -32,7 +34,7 @@ pub use manifest::{
     SampleKind, SetRecord, VerifyReport, verify_dir,
 };
 pub use names::{NameError, NameTemplate};
-pub use picture::{write_channels, write_picture};
+pub use picture::{stage_channels, stage_picture, write_picture};
 pub use read::{MAX_SAMPLES, load_assets, read_bytes, read_image};
 pub use sets::read_set;
 pub use write::{Output, SetWriter, Staged, WriteOptions, write_set, write_text};

@@ -9,16 +9,16 @@ use super::atomic::Aside;
 use super::{IoError, Problem};
 use crate::base::Srgb8;
 
-/// Write planes of f32 as one OpenEXR file of `width` columns: whole or not at all. Names are sorted, as the format wants;
-/// the file says no time.
+/// Write planes of f32 aside, as one OpenEXR file of `width` columns. Names are sorted, as the format wants; the file says
+/// no time.
 ///
 /// # Errors
 /// If it cannot be written, or a plane has not `width * height` values.
-pub fn write_channels(
+pub fn stage_channels(
     path: &Path,
     [width, height]: [usize; 2],
     channels: &[(&str, Vec<f32>)],
-) -> Result<(), IoError> {
+) -> Result<Aside, IoError> {
     if width * height == 0 || channels.iter().any(|(_, plane)| plane.len() != width * height) {
         return Err(Problem::Unencodable { width, height }.at(path));
     }
@@ -35,14 +35,22 @@ pub fn write_channels(
         AnyChannels::sort(list),
     );
     let image = Image::from_layer(layer);
-    Aside::write(path.to_owned(), |out| image.write().to_buffered(out).map_err(super::exr::problem))?.commit()
+    Aside::write(path.to_owned(), |out| image.write().to_buffered(out).map_err(super::exr::problem))
 }
 
 /// Write a picture as an sRGB PNG of 8 bits, row by row from the top: whole or not at all.
 ///
 /// # Errors
+/// As [`stage_picture`].
+pub fn write_picture(path: &Path, size: [usize; 2], pixels: &[Srgb8]) -> Result<(), IoError> {
+    stage_picture(path, size, pixels)?.commit()
+}
+
+/// Write a picture aside, as an sRGB PNG of 8 bits, row by row from the top.
+///
+/// # Errors
 /// If it cannot be written, or there are not `width * height` pixels.
-pub fn write_picture(path: &Path, [width, height]: [usize; 2], pixels: &[Srgb8]) -> Result<(), IoError> {
+pub fn stage_picture(path: &Path, [width, height]: [usize; 2], pixels: &[Srgb8]) -> Result<Aside, IoError> {
     let side = |n: usize| i32::try_from(n).ok().filter(|n| *n > 0).map(i32::unsigned_abs);
     let (Some(w), Some(h), true) = (side(width), side(height), pixels.len() == width * height) else {
         return Err(Problem::Unencodable { width, height }.at(path));
@@ -57,8 +65,7 @@ pub fn write_picture(path: &Path, [width, height]: [usize; 2], pixels: &[Srgb8])
         let bytes: Vec<u8> = pixels.iter().flat_map(|p| p.0).collect();
         writer.write_image_data(&bytes).map_err(super::png::problem)?;
         writer.finish().map_err(super::png::problem)
-    })?
-    .commit()
+    })
 }
 
 #[cfg(test)]
@@ -72,11 +79,13 @@ mod tests {
         let plane = |k: f32| (0..6).map(|i| k * i as f32 - 0.3).collect::<Vec<f32>>();
         let channels =
             [("R", plane(1.0)), ("G", plane(1e6)), ("B", plane(-1e-6)), ("variance.R", plane(2.0))];
-        write_channels(&path, size, &channels).expect("written");
+        let aside = stage_channels(&path, size, &channels).expect("written");
+        assert!(!path.exists());
+        aside.commit().expect("renamed");
         let image = image::open(&path).expect("read").into_rgb32f();
         assert_eq!(image.dimensions(), (3, 2));
         assert_eq!(image.get_pixel(2, 1).0, [channels[0].1[5], channels[1].1[5], channels[2].1[5]]);
-        assert!(write_channels(&path, [2, 2], &channels).is_err());
+        assert!(stage_channels(&path, [2, 2], &channels).is_err());
 
         let path = dir.path().join("a.png");
         let pixels: Vec<Srgb8> = (0..6).map(|i| Srgb8([i * 40, 255 - i, 7])).collect();

@@ -287,6 +287,16 @@ fn a_scene_of_ones_own_may_be_laid_over_a_built_in_one() {
     assert_eq!(own, same);
 }
 
+#[test]
+fn a_png_that_cannot_be_written_takes_the_exr_with_it() {
+    let dir = folder();
+    std::fs::create_dir(dir.path().join("a.png")).expect("a folder");
+    let run = render(dir.path(), &[PRESET, "--scene", "sphere", "-o", "a.exr"]);
+    assert_eq!(run.code, Some(3), "{}", run.err);
+    assert!(run.err.contains("a.png"), "{}", run.err);
+    assert_eq!(files(dir.path()), ["a.png"]);
+}
+
 /// A limit on the size of files ends writing as a full disk does.
 #[cfg(unix)]
 #[test]
