@@ -34,6 +34,14 @@ pub enum ImportError {
     /// No triangle in it.
     #[error("there is no triangle in the file")]
     Empty,
+    /// Points and lines have no surface.
+    #[error("mesh `{mesh}` is made of {what}; a skin wants triangles, so take them out and export again")]
+    NoSurface {
+        /// Which mesh.
+        mesh: String,
+        /// What it is made of.
+        what: &'static str,
+    },
     /// Without texture coordinates no skin can be laid on it.
     #[error(
         "mesh `{0}` has no texture coordinates; unwrap it in a modelling program (u once around the body, v along it) \
@@ -129,8 +137,17 @@ pub fn glb(bytes: &[u8]) -> Result<Mesh, ImportError> {
         let transform = parent * Mat4::from_cols_array_2d(&node.transform().matrix());
         waiting.extend(node.children().map(|child| (child, transform)));
         let Some(mesh) = node.mesh() else { continue };
-        for primitive in mesh.primitives().filter(|p| p.mode() == Mode::Triangles) {
+        for primitive in mesh.primitives() {
             let name = format!("#{}", mesh.index());
+            let surface = match primitive.mode() {
+                Mode::Triangles => Surface::Triangles,
+                Mode::TriangleStrip => Surface::Strip,
+                Mode::TriangleFan => Surface::Fan,
+                Mode::Points => return Err(ImportError::NoSurface { mesh: name, what: "points" }),
+                Mode::Lines | Mode::LineLoop | Mode::LineStrip => {
+                    return Err(ImportError::NoSurface { mesh: name, what: "lines" });
+                }
+            };
             let read = |semantic: Semantic| -> Result<Option<Vec<Vec<f32>>>, ImportError> {
                 primitive.get(&semantic).map(|accessor| numbers(&accessor, blob)).transpose()
             };
@@ -149,7 +166,7 @@ pub fn glb(bytes: &[u8]) -> Result<Mesh, ImportError> {
                 name,
                 normals: triple(wide(read(Semantic::Normals)?, 3)?),
                 uvs: wide(read(Semantic::TexCoords(0))?, 2)?.iter().map(|t| Vec2::new(t[0], t[1])).collect(),
-                triangles: indices.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect(),
+                triangles: surface.triangles(&indices),
                 positions,
             };
             part.place(transform);
@@ -157,6 +174,34 @@ pub fn glb(bytes: &[u8]) -> Result<Mesh, ImportError> {
         }
     }
     parts.finish()
+}
+
+/// How indices make triangles.
+#[derive(Clone, Copy, Debug)]
+enum Surface {
+    Triangles,
+    Strip,
+    Fan,
+}
+
+impl Surface {
+    /// Corners in the order of glTF 2.0, 3.7.2.1. Triangles of a strip that name a vertex twice only join its parts.
+    fn triangles(self, indices: &[u32]) -> Vec<[u32; 3]> {
+        let joins = |&[a, b, c]: &[u32; 3]| a == b || b == c || c == a;
+        match self {
+            Self::Triangles => indices.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect(),
+            Self::Strip => {
+                let turned = |(i, t): (usize, &[u32])| {
+                    if i % 2 == 0 { [t[0], t[1], t[2]] } else { [t[0], t[2], t[1]] }
+                };
+                indices.windows(3).enumerate().map(turned).filter(|t| !joins(t)).collect()
+            }
+            Self::Fan => match indices {
+                [hub, rim @ ..] => rim.windows(2).map(|t| [t[0], t[1], *hub]).collect(),
+                [] => Vec::new(),
+            },
+        }
+    }
 }
 
 /// The bytes of each element of an accessor, checked to lie in the file.
@@ -387,6 +432,30 @@ mod tests {
         assert!(mesh.positions.iter().all(|p| p.x <= 0.0));
         // v is down in glTF as it is here.
         assert!(mesh.positions.iter().zip(&mesh.uvs).all(|(p, uv)| uv.y * 2.0 == p.y && uv.x * -2.0 == p.x));
+    }
+
+    #[test]
+    fn strips_and_fans_become_triangles_and_points_and_lines_are_named() {
+        let strip = |indices: &[u32]| Surface::Strip.triangles(indices);
+        assert_eq!(strip(&[0, 1, 2, 3, 4]), [[0, 1, 2], [1, 3, 2], [2, 3, 4]]);
+        // Two strips in one, joined by triangles without area.
+        assert_eq!(strip(&[0, 1, 2, 3, 3, 5, 5, 6, 7]), [[0, 1, 2], [1, 3, 2], [5, 6, 7]]);
+        assert_eq!(Surface::Fan.triangles(&[0, 1, 2, 3]), [[1, 2, 0], [2, 3, 0]]);
+        for surface in [Surface::Triangles, Surface::Strip, Surface::Fan] {
+            assert!((0..3).all(|n| surface.triangles(&[0, 1][..n]).is_empty()));
+        }
+
+        // Of one triangle all forms are the same mesh.
+        let of = |mode: u32| {
+            glb(&triangle(|json| json.replace("\"indices\":2", &format!("\"indices\":2,\"mode\":{mode}"))))
+        };
+        let plain = of(4).unwrap();
+        assert_eq!(of(5).unwrap().area(), plain.area());
+        assert_eq!(of(5).unwrap().normals, plain.normals);
+        assert_eq!(of(6).unwrap().normals, plain.normals);
+        for (mode, what) in [(0, "points"), (1, "lines"), (2, "lines"), (3, "lines")] {
+            assert_eq!(of(mode), Err(ImportError::NoSurface { mesh: "#0".into(), what }));
+        }
     }
 
     #[test]
