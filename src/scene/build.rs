@@ -37,7 +37,7 @@ pub struct Inputs {
     pub maps: Option<Arc<SkinMaps>>,
     /// What the skin is made of, where the scene does not say otherwise.
     pub optics: SkinOptics,
-    /// A mesh in place of the text's form, in body diameters; it is set down on the ground.
+    /// A mesh in place of the text's form, in body diameters or what the text says; it is set down on the ground.
     pub mesh: Option<Mesh>,
     /// The environment's picture, for scenes that name one.
     pub picture: Option<Arc<EnvironmentImage>>,
@@ -123,7 +123,7 @@ impl Scene {
 
 fn subject(subject: &Subject, inputs: &Inputs, size_mm: [f32; 2]) -> Result<Mesh, SceneError> {
     let mut mesh = match &inputs.mesh {
-        Some(mesh) => settled(mesh.clone()),
+        Some(mesh) => settled(mesh.clone(), subject.mesh_unit_mm.map_or(1.0, |unit| unit * PI / size_mm[0])),
         None => form(subject, subject.triangles as usize, size_mm)?,
     };
     if subject.displacement != 0.0 {
@@ -159,8 +159,9 @@ fn form(subject: &Subject, triangles: usize, size_mm: [f32; 2]) -> Result<Mesh, 
     })
 }
 
-/// The mesh with its lowest point on the ground.
-fn settled(mut mesh: Mesh) -> Mesh {
+/// The mesh, `scale` times as large, with its lowest point on the ground.
+fn settled(mut mesh: Mesh, scale: f32) -> Mesh {
+    mesh.positions.iter_mut().for_each(|p| *p *= scale);
     let lowest = mesh.positions.iter().fold(f32::INFINITY, |low, p| low.min(p.y));
     if lowest.is_finite() {
         mesh.positions.iter_mut().for_each(|p| p.y -= lowest);
@@ -512,6 +513,14 @@ mod tests {
         assert_eq!((mesh.triangles.len(), mesh.uvs.len()), (own.triangles.len(), own.uvs.len()));
         assert!(mesh.positions.iter().all(|p| (0.0..=7.0 * 1.6).contains(&p.y)));
         assert!((scene.camera.target.y - 3.5 * 0.5 * PI).abs() < 1.0, "{}", scene.camera.target);
+        // In metres it is 50 times as large: 20 mm are one diameter.
+        let mut metres = spec;
+        metres.subject.mesh_unit_mm = Some(1000.0);
+        let large = Scene::build(&metres, &inputs).expect("a scene");
+        for (p, q) in large.objects[0].mesh.positions.iter().zip(&mesh.positions) {
+            assert!((*p - *q * 50.0).length() < 0.01, "{p} {q}");
+        }
+        assert_eq!(large.mm_per_unit, scene.mm_per_unit, "the maps keep their scale");
     }
 
     #[test]

@@ -107,6 +107,10 @@ pub struct Subject {
     /// The mesh gets as fine as the map, up to 4 million triangles.
     #[schemars(range(min = -100.0, max = 100.0))]
     pub displacement: f32,
+    /// Length of a unit of a mesh of one's own: 1000 where it is in metres, as glTF is. Unless set, its unit is a body
+    /// diameter.
+    #[schemars(range(min = 0.001, max = 10_000.0), extend("x-unit" = "mm"))]
+    pub mesh_unit_mm: Option<f32>,
 }
 
 impl Default for Subject {
@@ -118,6 +122,7 @@ impl Default for Subject {
             triangles: 200_000,
             turn_deg: 0.0,
             displacement: 0.0,
+            mesh_unit_mm: None,
         }
     }
 }

@@ -68,7 +68,8 @@ pub(in crate::cli) struct Render {
     /// Another noise.
     #[arg(long, default_value = "0", value_name = "N")]
     pub(in crate::cli) noise: u32,
-    /// A mesh of one's own in place of the scene's subject: .obj or .glb, with texture coordinates.
+    /// A mesh of one's own in place of the scene's subject: .obj or .glb, with texture coordinates. Its unit is a body
+    /// diameter, unless subject.mesh_unit_mm of the scene says.
     #[arg(long, value_name = "FILE")]
     pub(in crate::cli) mesh: Option<PathBuf>,
     /// Move the surface by so many times the height map: subject.displacement of the scene.
