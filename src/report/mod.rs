@@ -65,4 +65,4 @@ impl Report {
 }
 
 /// Told how much is done, in [0, 1], and what is at work.
-pub type Watch<'a> = &'a mut dyn FnMut(f32, &str);
+pub type Watch<'a> = &'a mut (dyn FnMut(f32, &str) + Send);
