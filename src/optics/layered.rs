@@ -430,10 +430,11 @@ impl<F: Real, B: Bands<F, N>, const N: usize> View<'_, F, B, N> {
             for i in 0..N {
                 f[i] += base[i];
             }
-            let density = if self.wraps() {
-                (F::ONE + nl) * F::from_f64(0.25 * FRAC_1_PI)
-            } else {
-                nl * F::from_f64(FRAC_1_PI)
+            let quarter = F::from_f64(0.25 * FRAC_1_PI);
+            let density = match self.wraps() {
+                true if self.layers.constants.base.lets_through() => quarter,
+                true => (F::ONE + nl) * quarter,
+                false => nl * F::from_f64(FRAC_1_PI),
             };
             pdf += (F::ONE - self.chance) * density;
         }
@@ -523,7 +524,11 @@ impl<F: Real, B: Bands<F, N>, const N: usize> View<'_, F, B, N> {
         } else {
             self.diffuse.as_ref()?;
             let random = [random[1], random[2]];
-            if self.wraps() { wrapped_sphere(random) } else { cosine_hemisphere(random) }
+            match self.wraps() {
+                true if self.layers.constants.base.lets_through() => even_sphere(random),
+                true => wrapped_sphere(random),
+                false => cosine_hemisphere(random),
+            }
         };
         let (f, pdf) = self.eval_pdf(wi);
         (pdf > F::ZERO && wi[2] != F::ZERO).then_some(Sample { wi, f, pdf, delta: false })
@@ -532,29 +537,39 @@ impl<F: Real, B: Bands<F, N>, const N: usize> View<'_, F, B, N> {
     /// Part of the base.
     #[inline(always)]
     fn base(&self, diffuse: &Diffuse<'_, F, N>, nl: F) -> [F; N] {
-        let mut f = diffuse.scale;
+        let f = diffuse.scale;
         if diffuse.matt {
             return f;
         }
+        let base = &self.layers.constants.base;
+        if !base.wraps() {
+            return self.enter(diffuse, f, nl);
+        }
         // Wrapped forms are of light times cosine; the cosine is divided out here, and comes back with the light.
-        let wraps = self.layers.constants.base.wraps();
-        let entering = if wraps { (F::ONE + nl) * F::from_f64(0.5) } else { nl };
+        let over = F::ONE / nl.abs().max(F::from_f64(1e-7));
+        let [near, far] = base.sides(nl).map(|weight| self.bands.upsample(weight));
+        let weighed = |weight: [F; N]| std::array::from_fn(|i| f[i] * weight[i].max(F::ZERO) * over);
+        let half = F::from_f64(0.5);
+        let mut sum = self.enter(diffuse, weighed(near), (F::ONE + nl) * half);
+        if base.lets_through() {
+            let through = self.enter(diffuse, weighed(far), (F::ONE - nl) * half);
+            (0..N).for_each(|i| sum[i] += through[i]);
+        }
+        sum
+    }
+
+    /// What is left of light on its way through film and layer, in at a cosine and out to the eye.
+    #[inline(always)]
+    fn enter(&self, diffuse: &Diffuse<'_, F, N>, mut f: [F; N], cosine: F) -> [F; N] {
         let through = match &diffuse.rough {
-            Some((table, place)) => table.transmittance(place, entering),
-            None => self.layers.transmittance(self.bands, &self.film, entering),
+            Some((table, place)) => table.transmittance(place, cosine),
+            None => self.layers.transmittance(self.bands, &self.film, cosine),
         };
         for i in 0..N {
             f[i] = f[i] * through[i];
         }
-        if wraps {
-            let least = F::from_f64(1e-7);
-            let weight = self.bands.upsample(self.layers.constants.base.weight(nl));
-            for i in 0..N {
-                f[i] = f[i] * weight[i].max(F::ZERO) / nl.abs().max(least);
-            }
-        }
         if let Some((tau, out)) = &diffuse.tau {
-            let way = self.layers.way(self.bands, entering);
+            let way = self.layers.way(self.bands, cosine);
             for i in 0..N {
                 f[i] = f[i] * (tau[i] * (way[i] + out[i])).decay();
             }
@@ -605,9 +620,20 @@ pub(super) fn dot<F: Real>(a: [F; 3], b: [F; 3]) -> F {
 #[inline(always)]
 fn wrapped_sphere<F: Real>(random: [F; 2]) -> [F; 3] {
     let root = random[0].safe_sqrt();
-    let z = root + root - F::ONE;
+    at_height(root + root - F::ONE, random[1])
+}
+
+/// A direction with density `1/(4 pi)`: heights are even (Archimedes).
+#[inline(always)]
+fn even_sphere<F: Real>(random: [F; 2]) -> [F; 3] {
+    at_height(random[0] + random[0] - F::ONE, random[1])
+}
+
+/// The point of the unit sphere at a height, so many turns around.
+#[inline(always)]
+fn at_height<F: Real>(z: F, turns: F) -> [F; 3] {
     let radius = ((F::ONE - z) * (F::ONE + z)).safe_sqrt();
-    let (sin, cos) = (random[1] - F::from_f64(0.5)).sin_cos_half_turns();
+    let (sin, cos) = (turns - F::from_f64(0.5)).sin_cos_half_turns();
     let (sin, cos) = (sin * cos * F::from_f64(2.0), (cos - sin) * (cos + sin));
     [radius * cos, radius * sin, z]
 }

@@ -164,7 +164,7 @@ mod tests {
             (|s| s.materials[0].constants.albedo = Albedo::Intrinsic, |f| f.intrinsic_albedo = true),
             (|s| s.materials[0].constants.energy = Energy::Coupled, |f| f.coupled_energy = true),
             (
-                |s| s.materials[0].constants.base = Base::Curved { curvature_per_mm: 0.1 },
+                |s| s.materials[0].constants.base = Base::Curved { curvature_per_mm: 0.1, thickness_mm: 1.0 },
                 |f| f.wrapped_base = true,
             ),
             (

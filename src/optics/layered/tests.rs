@@ -223,7 +223,8 @@ fn a_wrapped_base_returns_what_lamberts_does() {
     let bases = [
         Base::HalfLambert { blood: [0.6, 0.0, 0.0], tint: Tint::FromNormal },
         Base::HalfLambert { blood: [0.6, 0.1, 0.0], tint: Tint::FromHorizon },
-        Base::Curved { curvature_per_mm: 0.3 },
+        Base::Curved { curvature_per_mm: 0.3, thickness_mm: f32::INFINITY },
+        Base::Curved { curvature_per_mm: 0.3, thickness_mm: 0.8 },
     ];
     let bands = FilmColor::<f64>::new(Method::Series(3));
     for base in bases {
@@ -241,6 +242,27 @@ fn a_wrapped_base_returns_what_lamberts_does() {
         for c in 0..3 {
             assert!((sampled[c] - albedo[c]).abs() < 3e-3 * albedo[c], "{base:?} {sampled:?}");
         }
+    }
+}
+
+#[test]
+fn light_of_the_far_side_enters_there_and_comes_through() {
+    let bands = FilmColor::<f64>::new(Method::Series(3));
+    let point = Point { thickness_nm: 400.0, roughness: 0.3, albedo: [0.5; 3], absorption: [0.2; 3] };
+    let of = |thickness_mm: f32, z: f64| {
+        let base = Base::Curved { curvature_per_mm: 0.1, thickness_mm };
+        let layers = Layers::<f64>::new(&Constants { base, ..Constants::default() }).expect("a material");
+        let f = layers.view(&bands, &point, direction(0.6, 0.0), Parts::Diffuse).eval(direction(z, 1.0));
+        f.map(|f| f * z.abs())
+    };
+    for z in [1.0, 0.8, 0.3] {
+        // Of nothing between, the far side is this side.
+        let (here, there) = (of(f32::INFINITY, z), of(0.0, -z));
+        assert!((0..3).all(|c| (here[c] / there[c] - 1.0).abs() < 1e-12), "{z} {here:?} {there:?}");
+        // Of thin flesh it is less, most so in blue, and through a body there is next to nothing.
+        let (thin, body) = (of(1.0, -z), of(f32::INFINITY, -z));
+        assert!(here[0] > thin[0] && thin[0] > thin[1] && thin[1] > thin[2], "{z} {here:?} {thin:?}");
+        assert!(z < 0.5 || thin[0] > 20.0 * body[0], "{z} {thin:?} {body:?}");
     }
 }
 
@@ -429,7 +451,7 @@ fn nothing_but_numbers_in_f32() {
         sweep(&spectral, &constants, count);
         sweep(&colors, &constants, count / 4);
     }
-    let curved = Base::Curved { curvature_per_mm: 0.5 };
+    let curved = Base::Curved { curvature_per_mm: 0.5, thickness_mm: 1.0 };
     for base in [Base::HalfLambert { blood: [0.6, 0.0, 0.0], tint: Tint::FromNormal }, curved] {
         sweep(&spectral, &Constants { base, ..Constants::default() }, 10_000);
     }

@@ -17,7 +17,7 @@ pub enum BaseSpec {
     Lambert,
     /// Squared half-Lambert, of the same energy, tinted by `blood`.
     HalfLambert,
-    /// Light that spreads in the flesh below a surface of `curvature_per_mm`.
+    /// Light that spreads in the flesh below a surface of `curvature_per_mm`, and comes through where it is thin.
     Curved,
 }
 
@@ -64,6 +64,10 @@ pub struct MaterialSpec {
     /// Curvature of a curved base, 1 over the radius; 0 is flat.
     #[schemars(range(min = 0.0, max = 1000.0), extend("x-unit" = "1/mm"))]
     pub curvature_per_mm: f32,
+    /// Thickness of the flesh below a curved base, as measured: light from behind comes through, a tenth of the red at 4 mm.
+    /// Unless set, none does.
+    #[schemars(range(min = 0.0, max = 1000.0), extend("x-unit" = "mm"))]
+    pub thickness_mm: Option<f32>,
     /// Cauchy coefficients of film and layer, whose indices are those at 589.3 nm; keratin of feathers has 5890.
     #[schemars(inner(range(min = -100_000.0, max = 100_000.0)), extend("x-unit" = "nm^2"))]
     pub dispersion_nm2: [f32; 2],
@@ -99,6 +103,7 @@ impl Default for MaterialSpec {
             blood: [1.0; 3],
             tint: TintSpec::FromNormal,
             curvature_per_mm: 0.0,
+            thickness_mm: None,
             dispersion_nm2: [0.0; 2],
             grating_period_nm: 1000.0,
             grating_height_nm: 0.0,
@@ -136,7 +141,10 @@ impl MaterialSpec {
                         TintSpec::FromHorizon => Tint::FromHorizon,
                     },
                 },
-                BaseSpec::Curved => Base::Curved { curvature_per_mm: self.curvature_per_mm },
+                BaseSpec::Curved => Base::Curved {
+                    curvature_per_mm: self.curvature_per_mm,
+                    thickness_mm: self.thickness_mm.unwrap_or(f32::INFINITY),
+                },
             },
             dispersion_nm2: self.dispersion_nm2,
             grating: (self.grating_height_nm > 0.0).then_some(Grating {
