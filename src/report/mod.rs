@@ -20,6 +20,7 @@ pub mod html;
 pub mod metric;
 pub mod optics;
 pub mod plot;
+pub mod skin_sweep;
 pub mod stability;
 pub mod swatch;
 pub mod table;

@@ -3,6 +3,7 @@
 use super::brdf;
 use super::film::{self, Grid, METHODS, USUAL_DEG};
 use super::plot::{Axis, Mark, Plot, Series};
+use super::skin_sweep;
 use super::stability::{self, Sweep};
 use super::table::{Cell, Table};
 use super::timing::Timing;
@@ -420,6 +421,11 @@ fn stable(page: &mut Page, failures: &mut Vec<String>, random: u64) {
         check(format!("{count} random films in {name}: channel of series-3 below 0 by"), -color.0, 0.3);
         check(format!("{count} random films in {name}: channel of series-3 above 1 by"), color.1 - 1.0, 0.6);
     }
+    let skins = skin_sweep::sweep(random);
+    let points = format!("{} random points of whole skins in f32", skins.count);
+    check(format!("{points}: values and densities that are no numbers"), skins.not_numbers as f64, 0.0);
+    check(format!("{points}: values and densities below 0"), skins.negative as f64, 0.0);
+    check(format!("{points}: energy made by the film, R + T - 1"), skins.energy, 2e-6);
     check(
         "films of no thickness, of 1000, that differ from Fresnel in any bit".into(),
         f64::from(stability::not_fresnel(1000)),
