@@ -4,8 +4,9 @@ use bytemuck::{Pod, Zeroable};
 
 use super::lobe;
 use super::program::SkinProgram;
+use crate::optics::film_color::UNIFORM_NM;
 use crate::optics::layered::{Albedo, Below, Constants};
-use crate::optics::{FilmColor, FilmError, Layers, Method, Transform};
+use crate::optics::{Bands, Film, FilmColor, FilmError, Layers, Method, Transform, absorption, cie};
 
 /// What is the same over a whole material: `Material` of `material.wgsl`.
 #[repr(C)]
@@ -59,6 +60,12 @@ pub const FRINGES: usize = 1024;
 pub const FRINGES_STEP_NM: f64 = 20.0;
 /// Columns of the table of [`Below`]; the last is for films too thick to interfere.
 pub const BELOW: usize = 1024;
+/// Roughnesses of that table, where they matter.
+const BELOW_ROUGH: usize = 33;
+/// Wavelengths where the film reflects totally.
+const BEYOND: usize = 16;
+/// Entries of a wrapped base's curve over cosines: odd, as curves have a kink at 0.
+const CURVE: usize = 2047;
 /// Optical path, `2 n1 d`, where that table ends, nm: twenty fringes of [`Layers::below`]'s own.
 const BELOW_END_NM: f64 = 8000.0;
 
@@ -87,34 +94,85 @@ impl SkinData {
             ..MaterialUniform::default()
         };
         let colors = FilmColor::<f32>::new(Method::Series(3));
-        let below = |thickness_nm: f32| layers.below(&colors, thickness_nm, 0.0, constants.absorption);
+        let (film, absorption) = (Film::new(n0, n1, n2, 0.0)?, uniform.absorption);
+        let below = |thickness_nm: f32, roughness: f32| {
+            let below = layers.below(&colors, thickness_nm, roughness, absorption);
+            match constants.base.wraps() {
+                true => Below {
+                    entering: wrapped(constants, &colors, &film.with_thickness(thickness_nm)),
+                    ..below
+                },
+                false => below,
+            }
+        };
         let mut tables = Vec::new();
         if program.has("fringes") || program.has("fringes_filtered") {
             tables.push(fringes(program.has("fringes_filtered")));
         }
         if program.has("below_constant") {
-            Below { clear: uniform.clear, lost: uniform.lost, entering: uniform.entering } =
-                below(thickness_nm);
+            let Below { clear, lost, entering } = below(thickness_nm, 0.0);
+            (uniform.clear, uniform.lost, uniform.entering) = (clear, lost, entering);
         }
-        if program.has("below_table") {
+        if program.has("below_table") || program.has("below_rough") {
             let last = BELOW - 2;
-            let end_nm = BELOW_END_NM / (2.0 * f64::from(n1));
-            uniform.below_per_nm = (last as f64 / end_nm) as f32;
+            let per_nm = (last as f64 * 2.0 * f64::from(n1) / BELOW_END_NM) as f32;
             // Just within, where films still interfere.
-            let at =
-                |i: usize| if i > last { f32::INFINITY } else { i as f32 / uniform.below_per_nm * 0.99999 };
-            let columns: Vec<Below<f32, 3>> = (0..BELOW).map(|i| below(at(i))).collect();
-            let row =
-                |get: fn(&Below<f32, 3>) -> [f32; 3]| columns.iter().map(get).map(rgb).collect::<Vec<_>>();
-            let texels = [row(|b| b.clear), row(|b| b.lost), row(|b| b.entering)].concat();
+            let thickness = |i: usize| if i > last { f32::INFINITY } else { i as f32 / per_nm * 0.99999 };
+            let rows = |roughness: f32| {
+                let columns: Vec<_> = (0..BELOW).map(|i| below(thickness(i), roughness)).collect();
+                let row = |get: fn(&Below<f32, 3>) -> [f32; 3]| {
+                    columns.iter().map(get).map(rgb).collect::<Vec<_>>()
+                };
+                [row(|b| b.clear), row(|b| b.lost), row(|b| b.entering)].concat()
+            };
+            let texels = match program.has("below_rough") {
+                true => (0..BELOW_ROUGH).flat_map(|r| rows(r as f32 / (BELOW_ROUGH - 1) as f32)).collect(),
+                false => rows(0.0),
+            };
             tables.push(Table { name: "below_rows", binding: 2, width: BELOW as u32, texels });
+            uniform.below_per_nm = per_nm;
         }
         if program.has("lobe") {
             let width = 2 * lobe::COSINES as u32;
             tables.push(Table { name: "lobe_table", binding: 3, width, texels: lobe::table() });
         }
+        if program.has("beyond_frustrated") {
+            let node = |n: &cie::Node| {
+                let [r, g, b] = n.rgb;
+                [n.wavelength_nm, r, g, b].map(|x| x as f32)
+            };
+            let texels: Vec<_> = cie::uniform_nodes(BEYOND, UNIFORM_NM).iter().map(node).collect();
+            tables.push(Table { name: "wavelengths", binding: 4, width: BEYOND as u32, texels });
+        }
+        if program.has("curve") {
+            let cosine = |i: usize| i as f32 / (CURVE - 1) as f32 * 2.0 - 1.0;
+            let sides = if program.has("base_translucent") { 2 } else { 1 };
+            let row = |side: usize| (0..CURVE).map(move |i| rgb(constants.base.sides(cosine(i))[side]));
+            let texels = (0..sides).flat_map(row).collect();
+            tables.push(Table { name: "curve", binding: 5, width: CURVE as u32, texels });
+        }
         Ok(Self { uniform, tables })
     }
+}
+
+/// [`Below::entering`] of a base that light reaches around: `2 int_-1^1 w(c) T((1 + c)/2) exp(-tau/c2) dc`, the film taken
+/// as smooth; and the same of what comes through, where c is -c.
+fn wrapped(constants: &Constants, colors: &FilmColor<f32>, film: &Film<f32>) -> [f32; 3] {
+    const COUNT: u16 = 64;
+    let [n0, _, n2] = film.indices();
+    let mut sum = [0.0; 3];
+    for i in 0..COUNT {
+        let half_way = (f32::from(i) + 0.5) / f32::from(COUNT);
+        let cosine = 2.0 * half_way - 1.0;
+        let ([near, _], [_, far]) = (constants.base.sides(cosine), constants.base.sides(-cosine));
+        let through = colors.transmittance(film, half_way);
+        let inside = absorption::cosine_in_layer(n0, n2, half_way);
+        for c in 0..3 {
+            let survives = absorption::one_way(constants.absorption[c], inside);
+            sum[c] += 4.0 / f32::from(COUNT) * (near[c] + far[c]) * through[c] * survives;
+        }
+    }
+    sum
 }
 
 /// C as cubics, a row for each channel and a column for each interval, right to 1e-5; and below them, if wanted, its

@@ -9,14 +9,15 @@ use super::lobe;
 use super::material::{self, MaterialUniform, SkinData};
 use super::program::{SkinOptions, SkinProgram};
 use crate::base::hash;
-use crate::optics::layered::{Albedo, Constants, LEAST_ROUGHNESS, Parts, Point};
-use crate::optics::{Film, FilmColor, Layers, Method, ggx};
+use crate::optics::base_layer::Tint;
+use crate::optics::layered::{Albedo, Constants, Energy, LEAST_ROUGHNESS, Parts, Point};
+use crate::optics::{Base, Film, FilmColor, Layers, Method, ggx};
 use crate::scene::SceneFeatures;
 
-/// Every feature that the programs look at, alone and with all others.
+/// Every combination of the features that programs look at, and of options.
 fn programs() -> Vec<SkinProgram> {
     let mut all = Vec::new();
-    for bits in 0..32u32 {
+    for bits in 0..512u32 {
         let bit = |i: u32| bits >> i & 1 == 1;
         let features = SceneFeatures {
             interface: bit(0) || bit(1),
@@ -24,6 +25,10 @@ fn programs() -> Vec<SkinProgram> {
             thickness_map: bit(1) && bit(2),
             base: bit(3),
             absorber: bit(4),
+            wrapped_base: bit(5),
+            coupled_energy: bit(6),
+            total_reflection: bit(7),
+            translucent_base: bit(5) && bit(8),
             ..SceneFeatures::default()
         };
         for parts in [Parts::All, Parts::Specular, Parts::Diffuse, Parts::Lambert] {
@@ -45,7 +50,7 @@ fn parse(source: &str) -> naga::Module {
 #[test]
 fn every_combination_of_slots_is_a_valid_module() {
     let all = programs();
-    assert!(all.len() > 20, "{}", all.len());
+    assert!(all.len() > 100, "{}", all.len());
     let flags = naga::valid::ValidationFlags::all();
     for program in &all {
         let module = parse(&(program.source() + PROBE));
@@ -346,40 +351,84 @@ fn point(q: &Question, constants: &Constants, thicker: f32) -> Point<f32, 3> {
     }
 }
 
-/// The materials of the tests: everything alone, and together.
-fn materials() -> Vec<(Constants, SceneFeatures)> {
+/// The materials of the tests: everything alone, and together; and what the shader may differ by.
+fn materials() -> Vec<(Constants, SceneFeatures, f32)> {
     let plain = Constants::default();
     let features = SceneFeatures { interface: true, base: true, ..SceneFeatures::default() };
     let film = SceneFeatures { film: true, thickness_map: true, ..features };
     let absorbing = |f: SceneFeatures| SceneFeatures { absorber: true, ..f };
+    let wrapped = |f: SceneFeatures| SceneFeatures { wrapped_base: true, ..f };
+    let coupled = |f: SceneFeatures| SceneFeatures { coupled_energy: true, ..f };
+    let total = |f: SceneFeatures| SceneFeatures { total_reflection: true, ..f };
+    let curved = |thickness_mm| Base::Curved { curvature_per_mm: 0.3, thickness_mm };
+    let half = |tint| Base::HalfLambert { blood: [0.9, 0.4, 0.1], tint };
+    let even = SceneFeatures { thickness_map: false, ..film };
     vec![
-        (plain, features),
-        (Constants { absorption: [0.1, 0.6, 3.0], ..plain }, absorbing(features)),
-        (plain, film),
-        (plain, SceneFeatures { thickness_map: false, ..film }),
-        (Constants { albedo: Albedo::Intrinsic, absorption: [0.0, 0.7, 100.0], ..plain }, absorbing(film)),
-        (Constants { indices: [1.0, 1.33, 1.0], absorption: [0.2; 3], ..plain }, absorbing(film)),
-        (Constants { indices: [1.0, 1.55, 1.4], ..plain }, film),
-        (Constants { indices: [1.33, 1.55, 1.4], ..plain }, film),
+        (plain, features, SHARE),
+        (Constants { absorption: [0.1, 0.6, 3.0], ..plain }, absorbing(features), SHARE),
+        (plain, film, SHARE),
+        (plain, even, SHARE),
         (
-            Constants { indices: [1.0, 1.0, 1.0], ..plain },
+            Constants { albedo: Albedo::Intrinsic, absorption: [0.0, 0.7, 100.0], ..plain },
+            absorbing(film),
+            SHARE,
+        ),
+        (Constants { indices: [1.0, 1.33, 1.0], absorption: [0.2; 3], ..plain }, absorbing(film), SHARE),
+        (Constants { indices: [1.0, 1.55, 1.4], ..plain }, film, SHARE),
+        (Constants { indices: [1.33, 1.55, 1.4], ..plain }, film, SHARE),
+        (
+            Constants { indices: [1.0; 3], ..plain },
             SceneFeatures { base: true, ..SceneFeatures::default() },
+            SHARE,
+        ),
+        (Constants { base: half(Tint::FromNormal), ..plain }, wrapped(film), SHARE),
+        (
+            Constants { base: half(Tint::FromHorizon), absorption: [0.3; 3], ..plain },
+            wrapped(absorbing(even)),
+            SHARE,
+        ),
+        (Constants { base: curved(f32::INFINITY), ..plain }, wrapped(film), SHARE),
+        (
+            Constants { base: curved(0.5), absorption: [0.3; 3], ..plain },
+            SceneFeatures { translucent_base: true, ..wrapped(absorbing(film)) },
+            SHARE,
+        ),
+        // Tables of `optics` have a kink.
+        (Constants { indices: [1.5, 1.0, 1.4], ..plain }, total(film), 1e-3),
+        (Constants { indices: [1.5, 1.55, 1.3], ..plain }, total(film), 1e-3),
+        (Constants { energy: Energy::Coupled, ..plain }, coupled(film), ROUGH),
+        (
+            Constants { energy: Energy::Coupled, absorption: [0.3; 3], ..plain },
+            absorbing(coupled(features)),
+            ROUGH,
         ),
     ]
 }
 
+/// The questions for a material. Where energy is coupled both sides have tables, which are coarse where smooth surfaces
+/// graze: not those.
+fn asked_of(features: &SceneFeatures, thickness_nm: Option<f32>) -> Vec<Question> {
+    let mut asked = questions(thickness_nm);
+    if features.coupled_energy {
+        asked.retain(|q| q.roughness >= 0.1 && q.wo[2] > 0.1 && q.wi[2] > 0.1);
+    }
+    asked
+}
+
 /// What the shader and `optics` may differ by: rounding, and tables that are coarser by turns.
 const SHARE: f32 = 3e-4;
+/// The same where the three mirrors of a lobe stand against a table of its integrals.
+const ROUGH: f32 = 2e-2;
 
 #[test]
 fn shaders_give_what_optics_gives() {
     let Some(gpu) = gpu() else { return };
     let colors = FilmColor::<f32>::new(Method::Series(3));
-    for (constants, features) in materials() {
+    for (constants, features, share) in materials() {
         let program = SkinProgram::new(&features, &SkinOptions::default());
         let even = (!features.thickness_map).then_some(if features.film { 430.0 } else { 0.0 });
         let data = SkinData::new(&constants, even.unwrap_or(0.0), &program).expect("a material");
-        let asked = questions(even);
+        let asked = asked_of(&features, even);
         let answers = ask(&gpu, &program, &data, &asked);
         let layers = Layers::<f32>::new(&constants).expect("a material");
         let (mut worst, mut thicker) = (0.0f32, 0.0f32);
@@ -390,20 +439,22 @@ fn shaders_give_what_optics_gives() {
             let roughness = at(1.0).roughness;
             let whole = ggx_lobe(roughness * roughness, q.wo, q.wi);
             let floor = 0.01f32.max(1e-3 * whole);
-            let (expected, cosine) = (value(1.0), q.wi[2].max(0.0));
+            let (expected, nl) = (value(1.0), q.wi[2]);
+            // At the horizon a wrapped base has no BRDF.
+            let cosine = if features.wrapped_base { nl.abs().max(1e-7) } else { nl.max(0.0) };
             let one = error(answer.eval, expected, floor).max(error(
                 answer.shine,
                 expected.map(|f| f * cosine),
                 floor * cosine + 1e-9,
             ));
-            assert!(one < SHARE, "{constants:?} {q:?}: {answer:?} for {expected:?}, {one:e}");
+            assert!(one < share, "{constants:?} {q:?}: {answer:?} for {expected:?}, {one:e}");
             worst = worst.max(one);
             thicker = thicker.max(error(answer.eval, value(1.05), floor));
             assert!((answer.alpha - roughness * roughness).abs() < 1e-7);
         }
-        println!("{:?} {:?}: {worst:e}, 5 % thicker {thicker:e}", constants.indices, constants.absorption);
+        println!("{:?}: {worst:e}, 5 % thicker {thicker:e}", program.slots());
         // The control: a film 5 % thicker fails.
-        assert_eq!(thicker > 100.0 * SHARE, features.film, "{constants:?} {thicker:e}");
+        assert_eq!(thicker > 10.0 * share, features.film, "{constants:?} {thicker:e}");
     }
 }
 
@@ -418,7 +469,7 @@ fn ggx_lobe(alpha: f32, wo: [f32; 3], wi: [f32; 3]) -> f32 {
 #[test]
 fn a_mirror_is_shaded_as_the_least_rough_surface() {
     let Some(gpu) = gpu() else { return };
-    let (constants, features) = materials()[2];
+    let (constants, features, _) = materials()[2];
     let program = SkinProgram::new(&features, &SkinOptions::default());
     let data = SkinData::new(&constants, 0.0, &program).expect("a material");
     let with = |roughness: f32| {
@@ -436,11 +487,11 @@ fn light_from_all_around_is_the_integral_over_the_brdf() {
     let Some(gpu) = gpu() else { return };
     let colors = FilmColor::<f32>::new(Method::Series(3));
     let table = lobe::table();
-    for (constants, features) in materials() {
+    for (constants, features, share) in materials() {
         let program = SkinProgram::new(&features, &SkinOptions::default());
         let even = (!features.thickness_map).then_some(if features.film { 430.0 } else { 0.0 });
         let data = SkinData::new(&constants, even.unwrap_or(0.0), &program).expect("a material");
-        let asked = &questions(even)[..200];
+        let asked = &asked_of(&features, even)[..200];
         let layers = Layers::<f32>::new(&constants).expect("a material");
         let (mut base, mut gloss, mut thicker) = (0.0f32, 0.0f32, 0.0f32);
         for (q, answer) in asked.iter().zip(ask(&gpu, &program, &data, asked)) {
@@ -450,9 +501,10 @@ fn light_from_all_around_is_the_integral_over_the_brdf() {
                 let count = 64;
                 (0..count).fold([0.0; 3], |sum: [f32; 3], i| {
                     let s = (i as f32 + 0.5) / count as f32;
-                    let f = view.eval(direction(s * s, 0.0));
+                    // From below, too, where the base wraps around.
+                    let [f, g] = [s * s, -s * s].map(|z| view.eval(direction(z, 0.0)));
                     let weight = std::f32::consts::TAU * 2.0 * s * s * s / count as f32;
-                    std::array::from_fn(|c| sum[c] + weight * f[c])
+                    std::array::from_fn(|c| sum[c] + weight * (f[c] + g[c]))
                 })
             };
             base = base.max(error(answer.base, integral(1.0), 0.01));
@@ -465,11 +517,10 @@ fn light_from_all_around_is_the_integral_over_the_brdf() {
             });
             gloss = gloss.max(error(answer.gloss, reflected, 0.01));
         }
-        println!(
-            "{:?} {:?}: base {base:e}, gloss {gloss:e}, 5 % thicker {thicker:e}",
-            constants.indices, constants.absorption
-        );
-        assert!(base < 3e-3 && gloss < SHARE, "{constants:?}: {base:e} {gloss:e}");
+        println!("{:?}: base {base:e}, gloss {gloss:e}, 5 % thicker {thicker:e}", program.slots());
+        // The tables of `optics` have 24 directions: few for paths without end, where n2 = n0, and fewer for a critical angle.
+        let bound = if features.total_reflection { 0.2 } else { share.max(3e-3) };
+        assert!(base < bound && gloss < SHARE, "{constants:?}: {base:e} {gloss:e}");
         assert!(thicker > 1e-2 || !features.film, "{thicker:e}");
     }
 }
@@ -485,7 +536,7 @@ fn the_footprint_of_thickness_is_averaged() {
     let Some(gpu) = gpu() else { return };
     let colors = FilmColor::<f32>::new(Method::Series(3));
     // A film whose colours are all in gamut: the mean of colours that are cut is not the mean that is cut.
-    let (constants, features) = materials()[6];
+    let (constants, features, _) = materials()[6];
     let layers = Layers::<f32>::new(&constants).expect("a material");
     let errors = |footprint: bool| {
         let options = SkinOptions { footprint, parts: Parts::Specular, ..SkinOptions::default() };

@@ -25,6 +25,8 @@ pub struct SceneFeatures {
     pub coupled_energy: bool,
     /// A base that wraps around: it lights the far side.
     pub wrapped_base: bool,
+    /// A base that light of the far side comes through.
+    pub translucent_base: bool,
     /// Indices that depend on the wavelength.
     pub dispersion: bool,
     /// Ridges that diffract.
@@ -104,6 +106,7 @@ impl SceneFeatures {
         self.intrinsic_albedo |= constants.albedo == Albedo::Intrinsic;
         self.coupled_energy |= constants.energy == Energy::Coupled;
         self.wrapped_base |= constants.base.wraps();
+        self.translucent_base |= constants.base.lets_through();
         self.dispersion |= dispersed;
         self.grating |= constants.grating.is_some_and(|g| g.height_nm > 0.0);
         self.mirror |= texels.iter().any(|t| t.roughness <= 0.0);
@@ -164,8 +167,14 @@ mod tests {
             (|s| s.materials[0].constants.albedo = Albedo::Intrinsic, |f| f.intrinsic_albedo = true),
             (|s| s.materials[0].constants.energy = Energy::Coupled, |f| f.coupled_energy = true),
             (
-                |s| s.materials[0].constants.base = Base::Curved { curvature_per_mm: 0.1, thickness_mm: 1.0 },
+                |s| {
+                    s.materials[0].constants.base = Base::Curved { curvature_per_mm: 0.1, thickness_mm: 99.0 }
+                },
                 |f| f.wrapped_base = true,
+            ),
+            (
+                |s| s.materials[0].constants.base = Base::Curved { curvature_per_mm: 0.1, thickness_mm: 1.0 },
+                |f| (f.wrapped_base, f.translucent_base) = (true, true),
             ),
             (
                 |s| s.materials[0].constants.dispersion_nm2 = [0.0, 5890.0],

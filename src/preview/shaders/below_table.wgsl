@@ -3,7 +3,7 @@
 // Rows: clear, lost, entering. Columns: even steps of thickness, and at the end very thick films, which do not interfere.
 @group(1) @binding(2) var below_rows: texture_2d<f32>;
 
-fn below_film(film: Film) -> Below {
+fn below_film(film: Film, roughness: f32) -> Below {
     let last = textureDimensions(below_rows).x - 1u;
     let at = min(film.thickness_nm * material.below_per_nm, f32(last));
     let i = min(u32(at), last - 1u);

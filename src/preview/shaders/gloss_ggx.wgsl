@@ -13,6 +13,10 @@ fn gloss_shine(s: Skin, wi: vec3f) -> vec3f {
     return lobe * wi.z * film_reflect(s.film, dot(s.wo, facet));
 }
 
+fn gloss_ambient(s: Skin) -> vec3f {
+    return lobe_reflect(s.film, s.roughness, s.wo.z);
+}
+
 // Density of normals at a unit half vector, 1/sr: its tangential part keeps digits that a cosine near 1 has lost.
 fn ggx_density(alpha: f32, facet: vec3f) -> f32 {
     let a2 = alpha * alpha;

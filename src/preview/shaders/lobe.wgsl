@@ -1,19 +1,20 @@
-// What gloss sends to the eye of light that is even over its lobe: the lobe as three mirrors, see lobe.rs.
+// What a rough film reflects of light that is even over its lobe: the lobe as three mirrors, see lobe.rs.
 
 // For each roughness a row; for each step of the root of the view's cosine two texels (w1, s1, w2, s2) and (w3, s3, 0, 0):
 // weights, and roots of cosines to facets.
 @group(1) @binding(3) var lobe_table: texture_2d<f32>;
 
-fn gloss_ambient(s: Skin) -> vec3f {
+// Part of light at a cosine that the microfacets reflect.
+fn lobe_reflect(film: Film, roughness: f32, cosine: f32) -> vec3f {
     let last = textureDimensions(lobe_table) / vec2u(2u, 1u) - 1u;
-    let at = vec2f(sqrt(saturate(s.wo.z)), s.roughness) * vec2f(last);
+    let at = vec2f(sqrt(saturate(cosine)), roughness) * vec2f(last);
     let i = min(vec2u(at), last - 1u);
     let t = at - vec2f(i);
     let one_two = lobe_entry(i, 0u, t);
     let three = lobe_entry(i, 1u, t);
-    return one_two.x * film_reflect(s.film, one_two.y * one_two.y)
-        + one_two.z * film_reflect(s.film, one_two.w * one_two.w)
-        + three.x * film_reflect(s.film, three.y * three.y);
+    return one_two.x * film_reflect(film, one_two.y * one_two.y)
+        + one_two.z * film_reflect(film, one_two.w * one_two.w)
+        + three.x * film_reflect(film, three.y * three.y);
 }
 
 fn lobe_entry(i: vec2u, part: u32, t: vec2f) -> vec4f {

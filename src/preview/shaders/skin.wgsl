@@ -1,7 +1,7 @@
 // The skin at a point: gloss of the film over what comes from the base.
 //
 // Directions are unit vectors away from the surface in the frame of the shading normal, z along it. The formulas are those
-// of `optics::layered` in flat mode, with colours by the series of FILM_ORDER terms.
+// of `optics::layered`, with colours by the series of FILM_ORDER terms.
 
 const PI = 3.14159265;
 // Smoother is a mirror, which lights that are points are never seen in: `optics::layered::LEAST_ROUGHNESS`.
