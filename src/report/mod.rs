@@ -19,6 +19,7 @@ mod flip;
 pub mod html;
 pub mod metric;
 pub mod optics;
+pub mod pictures;
 pub mod plot;
 pub mod skin_sweep;
 pub mod stability;

@@ -2,6 +2,7 @@
 
 use super::brdf;
 use super::film::{self, Grid, METHODS, USUAL_DEG};
+use super::pictures::{self, Size};
 use super::plot::{Axis, Mark, Plot, Series};
 use super::skin_sweep;
 use super::stability::{self, Sweep};
@@ -65,14 +66,21 @@ pub fn report(effort: Effort, watch: Watch<'_>) -> Report {
     let summary = films(&mut page, &mut failures, &measured, &thin, convergence);
     watch(0.75, "the whole BRDF");
     let layers = whole(&mut page, &mut failures, if quick { 128 } else { 4096 }, if quick { 5 } else { 21 });
-    watch(0.85, "extreme cases");
+    watch(0.8, "whole pictures");
+    let size = if quick { Size { side: 32, samples: 64 } } else { Size { side: 64, samples: 1024 } };
+    let pictures = pictures(&mut page, &mut failures, size);
+    watch(0.9, "extreme cases");
     stable(&mut page, &mut failures, if quick { 100_000 } else { 10_000_000 });
     cycles(&mut page, &mut failures);
     watch(1.0, "");
     let summary = if failures.is_empty() {
-        summary + &layers + "\nAll cases pass.\n"
+        summary + &layers + &pictures + "\nAll cases pass.\n"
     } else {
-        summary + &layers + "\nFAILED:\n" + &failures.iter().map(|f| format!("  {f}\n")).collect::<String>()
+        summary
+            + &layers
+            + &pictures
+            + "\nFAILED:\n"
+            + &failures.iter().map(|f| format!("  {f}\n")).collect::<String>()
     };
     Report { page, name: "optics", summary, failures }
 }
@@ -377,6 +385,32 @@ fn whole(page: &mut Page, failures: &mut Vec<String>, count: u32, rounds: usize)
         failures.push(format!("the BRDF in colours differs from that in wavelengths by {mean:e}"));
     }
     summary
+}
+
+/// Pictures in place of single BRDFs; returns their summary.
+fn pictures(page: &mut Page, failures: &mut Vec<String>, size: Size) -> String {
+    page.heading("Whole pictures");
+    page.prose(
+        "What a viewer sees of all that: a sphere in a grey studio, ringed red, cream and black, below a film of 100 to 1000 nm. \
+         The path tracer follows all light in wavelengths only, with the coupled share of energy; in red, green and blue \
+         there is direct light alone, coupled or flat. So each picture is compared twice: with direct light in \
+         wavelengths, which tells what colours and the flat share cost by themselves, and with all light, which \
+         tells what a viewer is off the truth. All pictures have the same random numbers but the first row of each, \
+         which shows the noise: what is well below it is too small to tell. RMSE and CIEDE2000 are of linear colours \
+         where white paper is 1.",
+    );
+    match pictures::rows(size) {
+        Ok(rows) => {
+            let table = pictures::table(&rows, size);
+            let summary = format!("\n{}", table.text());
+            page.table(table);
+            summary
+        }
+        Err(message) => {
+            failures.push(message);
+            String::new()
+        }
+    }
 }
 
 /// Extreme cases and sweeps.
