@@ -2,7 +2,7 @@
 
 use super::film_color::{BEST_NM, FilmColor};
 use super::real::Real;
-use super::spectrum;
+use super::spectrum::{self, Wavelengths};
 use super::thin_film::{Film, WAVELENGTH_RANGE_NM};
 
 /// What the film does to each of N bands.
@@ -103,6 +103,14 @@ impl<F: Real, const N: usize> Spectral<F, N> {
     /// The wavelengths, nm.
     pub fn wavelengths_nm(&self) -> [F; N] {
         self.wavelengths_nm
+    }
+}
+
+impl<const N: usize> From<&Wavelengths<N>> for Spectral<f32, N> {
+    /// Those of a path.
+    #[inline(always)]
+    fn from(drawn: &Wavelengths<N>) -> Self {
+        Self { wavelengths_nm: drawn.nm, inverse: drawn.nm.map(|l| 1.0 / l), basis: drawn.basis }
     }
 }
 

@@ -62,16 +62,18 @@ pub fn upsample<const N: usize>(rgb: [f32; 3], wavelengths_nm: &[f32; N]) -> [f3
     })
 }
 
-/// One nanometre of the density of wavelengths, which is constant over it.
+/// One nanometre of the density of wavelengths, which is constant over it: one line of memory.
 #[derive(Clone, Copy)]
+#[repr(C, align(64))]
 struct Cell {
     /// Probability below it.
     below: f64,
     /// 1 over the density, nm.
     width: f64,
-    /// Weights of red, green, blue over the density at its start, and how much more they are at its end.
-    start: [f32; 3],
-    more: [f32; 3],
+    /// At its start: weights of red, green, blue over the density, then the basis of red, green, blue.
+    start: [f32; 6],
+    /// How much more they are at its end: all are linear between whole nanometres.
+    more: [f32; 6],
 }
 
 /// The density of wavelengths.
@@ -107,10 +109,14 @@ impl Density {
             .enumerate()
             .map(|(i, part)| {
                 let density = part / total;
-                let at = |k: usize| cie::weight(FIRST_NM + (i + k) as f64).map(|w| w / density);
+                let at = |k: usize| {
+                    let nm = FIRST_NM + (i + k) as f64;
+                    let ([r, g, b], [x, y, z]) = (cie::weight(nm).map(|w| w / density), basis(nm as f32));
+                    [r as f32, g as f32, b as f32, x, y, z]
+                };
                 let (start, end) = (at(0), at(1));
-                let more = std::array::from_fn(|c| (end[c] - start[c]) as f32);
-                let cell = Cell { below, width: 1.0 / density, start: start.map(|w| w as f32), more };
+                let more = std::array::from_fn(|c| end[c] - start[c]);
+                let cell = Cell { below, width: 1.0 / density, start, more };
                 below += density;
                 cell
             })
@@ -128,9 +134,10 @@ impl Density {
         DENSITY.get_or_init(Self::new)
     }
 
-    /// The wavelength below which the part `u` in [0, 1) of the probability is, nm, and the weights there over the density.
+    /// The wavelength below which the part `u` in [0, 1) of the probability is, nm, and there the weights over the density
+    /// and the basis.
     #[inline(always)]
-    fn invert(&self, u: f64) -> (f64, [f32; 3]) {
+    fn invert(&self, u: f64) -> (f64, [f32; 6]) {
         let bucket = (u * GUIDES as f64) as i32;
         let mut i = usize::from(self.guide[bucket.clamp(0, GUIDES as i32 - 1) as usize]);
         while self.cells.get(i + 1).is_some_and(|next| next.below <= u) {
@@ -151,6 +158,8 @@ pub struct Wavelengths<const N: usize> {
     /// Weights of linear red, green, blue: `sum_i rgb_weights[i] L(nm[i])` estimates the colour of a spectrum `L` relative
     /// to D65 (1 everywhere is white).
     pub rgb_weights: [[f32; 3]; N],
+    /// What [`basis`] is at each.
+    pub basis: [[f32; 3]; N],
 }
 
 impl<const N: usize> Wavelengths<N> {
@@ -172,7 +181,8 @@ impl<const N: usize> Wavelengths<N> {
         let over = 1.0 / N.max(1) as f32;
         Self {
             nm: drawn.map(|(l, _)| l as f32),
-            rgb_weights: drawn.map(|(_, weights)| weights.map(|w| w * over)),
+            rgb_weights: drawn.map(|(_, [r, g, b, ..])| [r * over, g * over, b * over]),
+            basis: drawn.map(|(_, [.., x, y, z])| [x, y, z]),
         }
     }
 }
@@ -242,11 +252,12 @@ mod tests {
             let u = f64::from(k) / 200_000.0;
             let i = density.cells.partition_point(|c| c.below <= u).max(1) - 1;
             let cell = &density.cells[i];
-            let (l, weights) = density.invert(u);
+            let (l, values) = density.invert(u);
             let expected = FIRST_NM + i as f64 + (u - cell.below) * cell.width;
             assert!((l - expected).abs() < 1e-9, "{u}: {l} {expected}");
             let weight = cie::weight(l);
-            (0..3).for_each(|c| assert!((f64::from(weights[c]) - weight[c] * cell.width).abs() < 1e-6));
+            (0..3).for_each(|c| assert!((f64::from(values[c]) - weight[c] * cell.width).abs() < 1e-6));
+            (0..3).for_each(|c| assert!((values[3 + c] - basis(l as f32)[c]).abs() < 1e-5, "{l}"));
         }
     }
 

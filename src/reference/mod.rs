@@ -19,6 +19,7 @@ mod sampler;
 mod settings;
 mod silhouette;
 mod skin;
+mod sobol;
 mod surface;
 
 #[cfg(test)]

@@ -1,8 +1,9 @@
 //! One path of light, traced backwards from the eye.
 
+use fearless_simd::Simd;
 use glam::Vec3;
 
-use super::bvh::{Bvh, Hit};
+use super::bvh::{Bvh, Hit, Stack};
 use super::film::Pixel;
 use super::lights::{Found, Lights};
 use super::sampler::Sampler;
@@ -27,32 +28,50 @@ pub(super) struct World<'a> {
     pub(super) settings: &'a Settings,
 }
 
+/// What a path needs on its way.
+pub(super) struct Walk<'a, S> {
+    /// Lanes.
+    pub(super) simd: S,
+    pub(super) sampler: Sampler,
+    pub(super) stack: &'a mut Stack,
+}
+
 impl World<'_> {
     /// What a ray from the eye meets: an object, or light, whose colour needs no wavelengths. `objects` is false where it is
     /// known to meet none.
     #[inline(always)]
-    pub(super) fn first(&self, origin: Vec3, direction: Vec3, objects: bool) -> Result<Hit, [f32; 3]> {
-        let hit = if objects { self.bvh.first_hit(origin, direction, f32::INFINITY) } else { None };
+    pub(super) fn first<S: Simd>(
+        &self,
+        Walk { simd, stack, .. }: &mut Walk<'_, S>,
+        origin: Vec3,
+        direction: Vec3,
+        objects: bool,
+    ) -> Result<Hit, [f32; 3]> {
+        let hit =
+            if objects { self.bvh.first_hit(*simd, stack, origin, direction, f32::INFINITY) } else { None };
         let limit = hit.map_or(f32::INFINITY, |h| h.distance);
         if let Some(found) = self.lights.hit(origin, direction, limit, false) {
             return Err(found.radiance.0);
         }
-        hit.ok_or_else(|| {
-            let far = self.lights.far(direction, false);
-            far.fold([0.0; 3], |sum, found| std::array::from_fn(|c| sum[c] + found.radiance.0[c]))
-        })
+        match hit {
+            Some(hit) => Ok(hit),
+            None => {
+                let far = self.lights.far(direction, false);
+                Err(far.fold([0.0; 3], |sum, found| std::array::from_fn(|c| sum[c] + found.radiance.0[c])))
+            }
+        }
     }
 
     /// Radiance that an object sends back along a ray, in every band, by a random path; what is met is added to `pixel`.
     ///
     /// At each surface one light is asked and one direction followed (Kajiya 1986; Veach 1997, 9.2.4 and 10.2).
     #[inline(always)]
-    pub(super) fn radiance<B: Bands<f32, N>, const N: usize>(
+    pub(super) fn radiance<S: Simd, B: Bands<f32, N>, const N: usize>(
         &self,
+        Walk { simd, sampler, stack }: &mut Walk<'_, S>,
         mut hit: Hit,
         mut direction: Vec3,
         channels: &Channels<B, N>,
-        sampler: &mut Sampler,
         pixel: &mut Pixel,
     ) -> [f32; N] {
         let technique = self.settings.technique;
@@ -84,14 +103,16 @@ impl World<'_> {
                         // Lamps hide what is behind them, as they do where rays meet them.
                         let behind = self.lights.hit(from, light.direction, limit, false).is_some();
                         let free = ghostly && light.environment;
-                        if !behind && (free || !self.bvh.is_blocked(from, light.direction, limit)) {
+                        if !behind
+                            && (free || !self.bvh.is_blocked(*simd, stack, from, light.direction, limit))
+                        {
                             let weight =
                                 if light.delta { 1.0 } else { technique.weight_asked(light.pdf, pdf) };
                             let part: [f32; N] = std::array::from_fn(|i| throughput[i] * f[i]);
                             add(
                                 &mut radiance,
                                 &part,
-                                &channels.of(light.radiance.0),
+                                &channels.bands.upsample(light.radiance.0),
                                 weight * wi[2].abs() / light.pdf,
                                 clamp(bounce > 0),
                             );
@@ -120,12 +141,12 @@ impl World<'_> {
             }
 
             let origin = lift(point.position, point.normal, direction);
-            let next = self.bvh.first_hit(origin, direction, f32::INFINITY);
+            let next = self.bvh.first_hit(*simd, stack, origin, direction, f32::INFINITY);
             let limit = next.map_or(f32::INFINITY, |h| h.distance);
             let asked = pdf < f32::INFINITY && technique == Technique::Mis;
             let mut met = |found: Found| {
                 let weight = technique.weight_met(pdf, found.pdf);
-                let light = channels.of(found.radiance.0);
+                let light = channels.bands.upsample(found.radiance.0);
                 add(&mut radiance, &throughput, &light, weight, clamp(bounce > 1));
             };
             if let Some(found) = self.lights.hit(origin, direction, limit, asked) {
@@ -166,23 +187,15 @@ fn add<const N: usize>(
     }
 }
 
-/// The bands of one path: what they reflect, and how colours become bands and bands a colour.
+/// The bands of one path: what they reflect, and how they make a colour.
 pub(super) struct Channels<B, const N: usize> {
-    /// For films.
+    /// What colours and films are in them.
     pub(super) bands: B,
-    /// What red, green and blue are in each band.
-    pub(super) basis: [[f32; 3]; N],
     /// What each band adds to red, green and blue.
     pub(super) weights: [[f32; 3]; N],
 }
 
 impl<B, const N: usize> Channels<B, N> {
-    /// A linear sRGB colour in every band.
-    #[inline(always)]
-    pub(super) fn of(&self, rgb: [f32; 3]) -> [f32; N] {
-        self.basis.map(|b| b[0] * rgb[0] + b[1] * rgb[1] + b[2] * rgb[2])
-    }
-
     /// The linear sRGB colour of a radiance in every band.
     #[inline(always)]
     pub(super) fn rgb(&self, radiance: [f32; N]) -> [f32; 3] {

@@ -1,5 +1,6 @@
 //! Where the random numbers of a path come from.
 
+use super::sobol;
 use crate::base::hash;
 
 /// A way to choose the samples of a pixel.
@@ -37,7 +38,7 @@ pub(super) struct Sampler {
 
 impl Sampler {
     /// For a sample of a pixel.
-    #[inline]
+    #[inline(always)]
     pub(super) fn new(kind: SamplerKind, seed: u32, pixel: [u32; 2], index: u32) -> Self {
         // The sequence has 2^16 points; further ones are those of another scrambling.
         let seed = hash::hash1(hash::hash2(seed, pixel[0], pixel[1]), index >> 16);
@@ -45,12 +46,12 @@ impl Sampler {
     }
 
     /// Four numbers in [0, 1), stratified among the samples of the pixel.
-    #[inline]
+    #[inline(always)]
     pub(super) fn next(&mut self) -> [f32; 4] {
         let set = hash::hash1(self.seed, self.set);
         self.set += 1;
         match self.kind {
-            SamplerKind::Sobol => sobol_burley::sample_4d(self.index, 0, set),
+            SamplerKind::Sobol => sobol::four(self.index, set),
             SamplerKind::Independent => {
                 std::array::from_fn(|lane| hash::unit(hash::hash2(set, self.index, lane as u32)))
             }

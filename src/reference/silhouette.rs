@@ -44,6 +44,8 @@ pub(super) fn pixels(scene: &Scene, eye: &View, [width, height]: [usize; 2]) -> 
 mod tests {
     use glam::Vec3;
 
+    use fearless_simd::{Level, dispatch};
+
     use super::*;
     use crate::base::hash;
     use crate::reference::bvh::Bvh;
@@ -105,7 +107,7 @@ mod tests {
             let [u, v] = [ray % 16, ray / 16].map(|i| i as f32 / 15.0);
             let (origin, direction) =
                 eye.ray((x as f32 + u) / width as f32, (y as f32 + v) / height as f32, [0.5; 2]);
-            bvh.first_hit(origin, direction, f32::INFINITY).is_some()
+            dispatch!(Level::new(), simd => bvh.is_blocked(simd, &mut bvh.stack(), origin, direction, f32::INFINITY))
         };
         let empty = (0..width * height).filter(|i| !may[*i]);
         empty.map(|i| (0..256).filter(|ray| meets(i % width, i / width, *ray)).count()).sum()

@@ -43,8 +43,8 @@ impl Skins {
         let local = layered::Point {
             thickness_nm: point.texel.thickness_nm,
             roughness: point.texel.roughness,
-            albedo: channels.of(point.texel.color),
-            absorption: channels.of(layers.constants().absorption),
+            albedo: channels.bands.upsample(point.texel.color),
+            absorption: channels.bands.upsample(layers.constants().absorption),
         };
         layers.view(&channels.bands, &local, wo, parts)
     }

@@ -88,7 +88,7 @@ impl View {
     /// Origin and unit direction of the ray through (`x`, `y`) of the picture, each in [0, 1] from its top left corner,
     /// and the point of the lens that `lens`, uniform in the unit square, means. All rays of one (x, y) meet where the
     /// picture is sharp.
-    #[inline]
+    #[inline(always)]
     pub fn ray(&self, x: f32, y: f32, lens: [f32; 2]) -> (Vec3, Vec3) {
         let across = self.right * ((2.0 * x - 1.0) * self.half_size.x);
         let through = self.forward + across + self.up * ((1.0 - 2.0 * y) * self.half_size.y);

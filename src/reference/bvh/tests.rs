@@ -1,5 +1,6 @@
 //! Against a look at every triangle.
 
+use fearless_simd::{Level, dispatch};
 use glam::Vec3;
 
 use super::{Bvh, Hit, Place};
@@ -7,11 +8,11 @@ use crate::base::hash;
 use crate::scene::{Mesh, Object};
 
 fn first_hit(bvh: &Bvh, origin: Vec3, direction: Vec3, limit: f32) -> Option<Hit> {
-    bvh.first_hit(origin, direction, limit)
+    dispatch!(Level::new(), simd => bvh.first_hit(simd, &mut bvh.stack(), origin, direction, limit))
 }
 
 fn is_blocked(bvh: &Bvh, origin: Vec3, direction: Vec3, limit: f32) -> bool {
-    bvh.is_blocked(origin, direction, limit)
+    dispatch!(Level::new(), simd => bvh.is_blocked(simd, &mut bvh.stack(), origin, direction, limit))
 }
 
 /// Numbers in [-1, 1), the same in every run.
