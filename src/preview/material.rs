@@ -79,7 +79,8 @@ pub struct SkinData {
 }
 
 impl SkinData {
-    /// For a material of these constants, with this film thickness where no map says otherwise, nm.
+    /// For a material of these constants, with this film thickness, nm, where it is the same everywhere: that of
+    /// [`Material::texel`](crate::scene::Material::texel) at any place, as a map may hold it.
     ///
     /// # Errors
     /// If an index is out of range.

@@ -70,10 +70,12 @@ fn what_a_material_lacks_is_not_in_its_shader() {
         |m: &naga::Module| m.global_variables.iter().filter_map(|(_, g)| g.name.clone()).collect::<Vec<_>>();
     assert_eq!(globals(&module), ["material"]);
     assert!(module.functions.iter().all(|(_, f)| f.name.as_deref() != Some("fresnel")));
-    assert!(none.constants().is_empty());
+    assert!(none.constants().is_empty() && none.left_out().is_empty());
     let film = SceneFeatures { film: true, interface: true, ..SceneFeatures::default() };
     let base = SceneFeatures { base: true, ..film };
     let mapped = SceneFeatures { thickness_map: true, absorber: true, ..base };
+    let more = SceneFeatures { dispersion: true, grating: true, ..base };
+    assert_eq!(SkinProgram::new(&more, &SkinOptions::default()).left_out(), ["dispersion", "grating"]);
     let program =
         |features, parts| SkinProgram::new(&features, &SkinOptions { parts, ..SkinOptions::default() });
     for (features, parts, tables, absent) in [
