@@ -15,6 +15,7 @@ mod load;
 mod memory;
 mod nodes;
 mod presets;
+mod preview;
 mod progress;
 mod render;
 mod render_scene;
@@ -60,6 +61,7 @@ fn dispatch(verb: &Verb) -> Result<Exit, Failure> {
         Verb::Schema(args) => schema::run(args),
         Verb::Presets(args) => presets::run(args),
         Verb::Verify(args) => verify::run(args),
+        Verb::Preview(args) => preview::run(args),
         Verb::Render(args) => render_scene::run(args),
         Verb::Film(args) => film::run(args),
         Verb::Report(args) => report::run(args),

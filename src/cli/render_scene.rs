@@ -5,6 +5,8 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
+use rayon::prelude::*;
+
 use super::args::{Render, SizeArg, StageArg, TransportArg};
 use super::exit::{Exit, Failure};
 use super::progress::Progress;
@@ -14,9 +16,10 @@ use crate::base::{LinearRgb, MapKind, Srgb8};
 use crate::io;
 use crate::reference::{Control, Film, Renderer, Settings, Stage, Transport};
 use crate::scene::spec::SceneSpec;
+use crate::scene::tone::ToneMap;
 
 /// Of the maps of a preset, where none is given.
-const MAP_SIZE: SizeArg = SizeArg::Longer(2048);
+pub(super) const MAP_SIZE: SizeArg = SizeArg::Longer(2048);
 
 /// Make the picture and write it, also the unfinished one after Ctrl-C or at the end of the time.
 pub(super) fn run(args: &Render) -> Result<Exit, Failure> {
@@ -47,26 +50,11 @@ pub(super) fn run(args: &Render) -> Result<Exit, Failure> {
     let renderer = Renderer::new(&scene).map_err(|e| Failure::usage(e, "see [material] of the scene"))?;
 
     let start = Instant::now();
-    let limit = args.budget.map(Duration::from_secs_f64);
-    let done = AtomicBool::new(false);
-    let film = pool.install(|| {
-        let told = |share: f32| {
-            // At least a sample of each pixel, so that the picture is whole.
-            let whole = share * settings.samples as f32 > 0.999;
-            let late = || limit.is_some_and(|limit| start.elapsed() > limit);
-            if stop.load(Ordering::Relaxed) || (whole && late()) {
-                done.store(true, Ordering::Relaxed);
-            }
-            progress.share(share, "tracing paths");
-        };
-        renderer.render(&settings, Control { cancel: Some(&done), progress: Some(&told) })
-    });
+    let film = trace(&renderer, &settings, args.budget, stop, &progress, &pool);
     let seconds = start.elapsed().as_secs_f64();
-    let exposure = spec.render.exposure(&film.rgb()) + args.exposure_ev.unwrap_or(0.0);
-    files.write(&film, |c| {
-        let tone = args.tone.unwrap_or(spec.render.tone);
-        Srgb8(tone.encode(LinearRgb(c), exposure).map(|v| (v * 255.0 + 0.5) as u8))
-    })?;
+    let texels = film.rgb();
+    let exposure = spec.render.exposure(&texels) + args.exposure_ev.unwrap_or(0.0);
+    files.write(&film, &screen(&texels, args.tone.unwrap_or(spec.render.tone), exposure))?;
     drop(progress);
     if args.json || !args.quiet {
         report(
@@ -76,6 +64,38 @@ pub(super) fn run(args: &Render) -> Result<Exit, Failure> {
         )?;
     }
     Ok(if stop.load(Ordering::Relaxed) { Exit::Interrupted } else { Exit::Done })
+}
+
+/// Trace paths until all samples are there, `budget` seconds are over, or someone wants it to stop.
+pub(super) fn trace(
+    renderer: &Renderer<'_>,
+    settings: &Settings,
+    budget: Option<f64>,
+    stop: &AtomicBool,
+    progress: &Progress,
+    pool: &rayon::ThreadPool,
+) -> Film {
+    let start = Instant::now();
+    let limit = budget.map(Duration::from_secs_f64);
+    let done = AtomicBool::new(false);
+    pool.install(|| {
+        let told = |share: f32| {
+            // At least a sample of each pixel, so that the picture is whole.
+            let whole = share * settings.samples as f32 > 0.999;
+            let late = || limit.is_some_and(|limit| start.elapsed() > limit);
+            if stop.load(Ordering::Relaxed) || (whole && late()) {
+                done.store(true, Ordering::Relaxed);
+            }
+            progress.share(share, "tracing paths");
+        };
+        renderer.render(settings, Control { cancel: Some(&done), progress: Some(&told) })
+    })
+}
+
+/// Linear light as screens show it.
+pub(super) fn screen(texels: &[[f32; 3]], tone: ToneMap, exposure_ev: f32) -> Vec<Srgb8> {
+    let shown = |c: &[f32; 3]| tone.encode(LinearRgb(*c), exposure_ev).map(|v| (v * 255.0 + 0.5) as u8);
+    texels.par_iter().map(|c| Srgb8(shown(c))).collect()
 }
 
 fn settings(args: &Render, spec: &SceneSpec) -> Settings {
@@ -117,6 +137,19 @@ pub(super) fn wanted(stage: Stage, spec: &SceneSpec) -> Vec<MapKind> {
     shading.iter().copied().chain(displaced.then_some(Height)).collect()
 }
 
+/// Tell now, not after the work, that the folder of a picture is not there.
+pub(super) fn folder(path: &Path) -> Result<(), Failure> {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+    match folder.filter(|folder| !folder.is_dir()) {
+        Some(folder) => Err(Failure::Message {
+            exit: Exit::File,
+            message: format!("{} is not a directory", folder.display()),
+            help: Some("make it, or write the picture somewhere else".into()),
+        }),
+        None => Ok(()),
+    }
+}
+
 /// Where the picture goes.
 struct Files {
     exr: Option<PathBuf>,
@@ -126,15 +159,7 @@ struct Files {
 impl Files {
     /// An `.exr` has a `.png` beside it, for eyes.
     fn new(path: &Path) -> Result<Self, Failure> {
-        // Told now, not after the work.
-        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
-        if let Some(folder) = folder.filter(|folder| !folder.is_dir()) {
-            return Err(Failure::Message {
-                exit: Exit::File,
-                message: format!("{} is not a directory", folder.display()),
-                help: Some("make it, or write the picture somewhere else".into()),
-            });
-        }
+        folder(path)?;
         let png = path.with_extension("png");
         match path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
             Some("exr") => Ok(Self { exr: Some(path.to_owned()), png: Some(png) }),
@@ -149,7 +174,7 @@ impl Files {
         }
     }
 
-    fn write(&self, film: &Film, screen: impl Fn([f32; 3]) -> Srgb8) -> Result<(), Failure> {
+    fn write(&self, film: &Film, pixels: &[Srgb8]) -> Result<(), Failure> {
         let size = [film.width, film.height];
         // Both or neither.
         let mut staged = Vec::new();
@@ -157,8 +182,7 @@ impl Files {
             staged.push(io::stage_channels(path, size, &film.channels())?);
         }
         if let Some(path) = &self.png {
-            let pixels: Vec<Srgb8> = film.rgb().into_iter().map(screen).collect();
-            staged.push(io::stage_picture(path, size, &pixels)?);
+            staged.push(io::stage_picture(path, size, pixels)?);
         }
         Ok(staged.into_iter().try_for_each(io::Aside::commit)?)
     }

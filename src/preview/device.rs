@@ -51,7 +51,7 @@ impl Gpu {
             ..Default::default()
         };
         let adapter = pollster::block_on(wgpu::Instance::new(about).request_adapter(&options))
-            .map_err(|e| PreviewError::NoAdapter(one_line(&e)))?;
+            .map_err(|e| PreviewError::NoAdapter(without_absent(&one_line(&e))))?;
         let info = adapter.get_info();
         let asked = wgpu::DeviceDescriptor {
             label: Some("ophidian"),
@@ -99,6 +99,14 @@ impl Gpu {
         self.device.features().contains(Features::TIMESTAMP_QUERY)
     }
 
+    /// Refuse what is larger than the adapter holds.
+    ///
+    /// # Errors
+    /// If `needed` is above `most`.
+    pub fn fits(&self, what: &'static str, needed: u64, most: u64) -> Result<(), PreviewError> {
+        if needed > most { Err(PreviewError::TooLarge { what, needed, most }) } else { Ok(()) }
+    }
+
     /// The first fault that came up since the last call.
     ///
     /// # Errors
@@ -121,6 +129,14 @@ impl Gpu {
 /// The first fault is the cause, later ones its consequences.
 fn keep(kept: &Mutex<Option<PreviewError>>, fault: PreviewError) {
     kept.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(fault);
+}
+
+/// The message without interfaces that were not asked or are not in this build.
+fn without_absent(message: &str) -> String {
+    let told = |part: &&str| !part.contains("not requested") && !part.contains("not compiled in");
+    let parts = message.rsplit(';').next().unwrap_or(message).split(',').map(str::trim).filter(told);
+    let parts: Vec<&str> = parts.collect();
+    if parts.is_empty() { message.to_owned() } else { parts.join(", ") }
 }
 
 /// A driver's message on one line.

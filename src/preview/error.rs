@@ -27,6 +27,9 @@ pub enum PreviewError {
     /// A picture of no pixels.
     #[error("a picture of {0} x {1} pixels is none")]
     Empty(usize, usize),
+    /// A material's numbers are out of range.
+    #[error("{0}")]
+    Material(String),
     /// The adapter's memory does not suffice.
     #[error("the adapter's memory does not suffice: {0}")]
     OutOfMemory(String),

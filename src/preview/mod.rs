@@ -3,24 +3,42 @@
 //! | Item | What it is |
 //! | --- | --- |
 //! | [`Gpu`] | an adapter and its device; software Vulkan counts |
+//! | [`Renderer`], [`Options`], [`Picture`] | a scene on the device, and pictures of it in linear light |
 //! | [`PreviewError`] | why there is no picture |
 //! | [`SkinProgram`], [`SkinOptions`] | the shader of one material: only what it has |
 //! | [`SkinData`], [`binding`] | its numbers and tables, and bind group 1 |
 //! | [`lobe`] | what gloss does to light from all around |
 //!
+//! A picture takes one pass: objects by the light of suns and rectangles, each small light with a shadow map drawn before
+//! the first picture, and by the environment filtered beforehand; then what is behind them. Light comes straight from its
+//! source, and the environment's through everything: `Transport::Direct` of the path tracer.
+//!
 //! Nothing here panics over what a machine lacks: what cannot be done comes back as an error that names the number.
 
+mod background;
 pub mod binding;
 pub mod device;
+mod environment;
 pub mod error;
+mod film_table;
+mod frame;
+mod lamps;
 pub mod lobe;
 pub mod material;
+mod mesh;
 pub mod program;
+mod render;
+mod shadows;
+mod slots;
+mod target;
+mod textures;
+mod timing;
 
 pub use device::Gpu;
 pub use error::PreviewError;
 pub use material::{MaterialUniform, SkinData};
 pub use program::{SkinOptions, SkinProgram, Slot};
+pub use render::{Options, Picture, Renderer};
 
 #[cfg(test)]
 mod skin_tests;

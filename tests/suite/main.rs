@@ -11,6 +11,7 @@ mod golden;
 mod layers;
 mod made;
 mod mutations;
+mod preview;
 mod registration;
 mod render;
 mod report;

@@ -2,6 +2,7 @@
 
 mod film;
 mod generate;
+mod preview;
 mod render;
 mod report;
 mod size;
@@ -13,6 +14,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use super::exit::Exit;
 pub(super) use film::{Film, Precision};
 pub(super) use generate::{BytesArg, Format, Generate, MapsArg, NormalArg, names};
+pub(super) use preview::{BackendArg, Preview};
 pub(super) use render::{Render, StageArg, TransportArg};
 pub(super) use report::{Report, ReportKind};
 pub(super) use size::SizeArg;
@@ -21,6 +23,7 @@ const EXAMPLES: &str = "Examples:
   ophidian generate lampropeltis_triangulum -o out
   ophidian generate my_snake.toml --size 4096 --maps five --normal both
   ophidian generate \"milk snake\" --seeds 0..50 --set scales.overlap=0.4 --json
+  ophidian preview lampropeltis_triangulum -o milk_snake.png
   ophidian check my_snake.toml
   ophidian graph my_snake.toml --format dot | dot -Tsvg -o graph.svg
   ophidian nodes worley";
@@ -51,6 +54,8 @@ pub(super) enum Verb {
     Schema(Schema),
     /// Compare texture sets with their manifest.
     Verify(Verify),
+    /// Draw a skin on the subject of a scene on a graphics adapter, now.
+    Preview(Box<Preview>),
     /// Render a skin on the subject of a scene by path tracing: the ground truth.
     Render(Box<Render>),
     /// Compute what a thin film reflects: one film, or the rows of a table.

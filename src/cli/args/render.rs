@@ -158,7 +158,7 @@ impl From<SamplerArg> for SamplerKind {
     }
 }
 
-fn tone(word: &str) -> Result<ToneMap, String> {
+pub(super) fn tone(word: &str) -> Result<ToneMap, String> {
     let known = ToneMap::ALL.into_iter().find(|t| t.name() == word);
     known.ok_or_else(|| format!("tone curves: {}", ToneMap::ALL.map(ToneMap::name).join(", ")))
 }
@@ -170,7 +170,7 @@ fn radiance(word: &str) -> Result<f32, String> {
         .ok_or_else(|| "a radiance is a number above 0; white paper in the sun has 1".into())
 }
 
-fn seconds(word: &str) -> Result<f64, String> {
+pub(super) fn seconds(word: &str) -> Result<f64, String> {
     match word.strip_suffix('s').unwrap_or(word).parse::<f64>() {
         Ok(seconds) if (0.0..=1e6).contains(&seconds) => Ok(seconds),
         _ => Err("a time is a number of seconds, 0 to 1000000".into()),

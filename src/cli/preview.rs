@@ -1,0 +1,198 @@
+//! `preview`: a skin on the subject of a scene, drawn by a graphics adapter, or by the path tracer where there is none.
+
+use std::io::Write as _;
+use std::path::Path;
+use std::sync::atomic::Ordering;
+use std::time::Instant;
+
+use super::args::{BackendArg, Preview};
+use super::exit::{Exit, Failure};
+use super::progress::Progress;
+use super::render_scene::{MAP_SIZE, folder, screen, trace, wanted};
+use super::stage::{self, Skin, Source};
+use super::{generate, signal};
+use crate::io;
+use crate::preview::{Gpu, Options, PreviewError, Renderer};
+use crate::reference::{self, Settings, Stage, Transport};
+use crate::scene::{Scene, spec::SceneSpec};
+
+/// Most samples per pixel of the path tracer: no more can be seen.
+const SAMPLES: u32 = 256;
+
+/// Triangles that are enough for a screen, where the scene's own number is not asked for: more than one in a pixel costs
+/// most of a picture's time.
+const MOST_TRIANGLES: u32 = 40_000;
+
+/// A picture, and who drew it.
+struct Drawn {
+    texels: Vec<[f32; 3]>,
+    /// The adapter's name, or how many samples the path tracer took.
+    by: String,
+    gpu: bool,
+    passes: Vec<(&'static str, Option<f64>)>,
+    slots: Vec<Vec<&'static str>>,
+    resources: Vec<(String, u64)>,
+}
+
+/// Draw the picture and write it.
+pub(super) fn run(args: &Preview) -> Result<Exit, Failure> {
+    if !args.output.extension().is_some_and(|e| e.eq_ignore_ascii_case("png")) {
+        let message = format!("{}: a preview is written as .png", args.output.display());
+        return Err(Failure::usage(message, "for example -o snake.png; `render` writes .exr"));
+    }
+    folder(&args.output)?;
+    stage::refuse_for_sets(
+        &args.skin,
+        &[
+            ("--set", !args.set.settings.is_empty()),
+            ("--seed", args.seed.is_some()),
+            ("--map-size", args.map_size.is_some()),
+        ],
+    )?;
+    let start = Instant::now();
+    let displacement = args.displace.map(|amount| format!("subject.displacement={amount:?}"));
+    let over: Vec<String> = args.scene_settings.iter().cloned().chain(displacement).collect();
+    let mut text = stage::text(&args.scene, &over)?;
+    if !over.iter().any(|setting| setting.starts_with("subject.triangles")) {
+        text.spec.subject.triangles = text.spec.subject.triangles.min(MOST_TRIANGLES);
+    }
+    let spec = &text.spec;
+    let size = args.size.map_or([spec.render.width as usize, spec.render.height as usize], |s| s.0);
+    let mesh = args.mesh.as_deref().map(stage::mesh).transpose()?;
+    let pool = generate::pool(args.threads)?;
+    let progress = Progress::new(args.quiet);
+    let stop = signal::stop_flag();
+    progress.start("skin".into());
+    let map_size = args.map_size.unwrap_or(MAP_SIZE);
+    let source = Source { word: &args.skin, settings: &args.set.settings, seed: args.seed, size: map_size };
+    // A driver takes a while to start: meanwhile the maps are made.
+    let (gpu, skin) = std::thread::scope(|scope| {
+        let gpu = (args.backend != BackendArg::Cpu).then(|| scope.spawn(|| Gpu::new(None)));
+        let skin = Skin::load(&source, &wanted(Stage::All, spec), stop, &progress, &pool);
+        let lost = |_| Err(PreviewError::Lost("the driver's thread ended".into()));
+        (gpu.map(|gpu| gpu.join().unwrap_or_else(lost)), skin)
+    });
+    let skin = skin?;
+    progress.start(spec.name.clone());
+    let scene = stage::build(&text, &skin, mesh)?;
+    let on_gpu = gpu.map(|gpu| gpu.and_then(|gpu| pool.install(|| draw(&gpu, &scene, size))));
+    let drawn = match on_gpu {
+        Some(Ok(drawn)) => drawn,
+        Some(Err(error)) if args.backend == BackendArg::Gpu => {
+            return Err(Failure::usage(error, "--backend auto or cpu draws without a graphics adapter"));
+        }
+        other => {
+            if let Some(Err(error)) = other {
+                let told = || writeln!(anstream::stderr(), "{error}: the path tracer draws in its place");
+                progress.suspend(told)?;
+            }
+            let renderer = reference::Renderer::new(&scene)
+                .map_err(|e| Failure::usage(e, "see [material] of the scene"))?;
+            let settings = Settings {
+                width: size[0],
+                height: size[1],
+                samples: SAMPLES,
+                transport: Transport::Direct { environment_shadows: false },
+                ..Settings::default()
+            };
+            let film = trace(&renderer, &settings, Some(args.budget), stop, &progress, &pool);
+            Drawn {
+                texels: film.rgb(),
+                by: format!("{:.1} samples per pixel", film.samples_per_pixel()),
+                gpu: false,
+                passes: Vec::new(),
+                slots: Vec::new(),
+                resources: Vec::new(),
+            }
+        }
+    };
+    let exposure = spec.render.exposure(&drawn.texels) + args.exposure_ev.unwrap_or(0.0);
+    let pixels = pool.install(|| screen(&drawn.texels, args.tone.unwrap_or(spec.render.tone), exposure));
+    io::write_picture(&args.output, size, &pixels)?;
+    drop(progress);
+    if args.json || !args.quiet {
+        let seconds = start.elapsed().as_secs_f64();
+        report(args, &skin, spec, &drawn, Told { size, seconds, exposure, output: &args.output })?;
+    }
+    Ok(if stop.load(Ordering::Relaxed) { Exit::Interrupted } else { Exit::Done })
+}
+
+/// The picture by a graphics adapter.
+fn draw(gpu: &Gpu, scene: &Scene, size: [usize; 2]) -> Result<Drawn, PreviewError> {
+    let mut renderer = Renderer::new(gpu, scene, &Options::default())?;
+    let picture = renderer.render(&scene.camera, size)?;
+    Ok(Drawn {
+        texels: picture.texels,
+        by: gpu.info.name.clone(),
+        gpu: true,
+        passes: picture.passes,
+        slots: renderer.slots(),
+        resources: renderer.resources(),
+    })
+}
+
+struct Told<'a> {
+    size: [usize; 2],
+    seconds: f64,
+    exposure: f32,
+    output: &'a Path,
+}
+
+fn report(
+    args: &Preview,
+    skin: &Skin,
+    spec: &SceneSpec,
+    drawn: &Drawn,
+    told: Told<'_>,
+) -> Result<(), Failure> {
+    let backend = if drawn.gpu { "gpu" } else { "cpu" };
+    let file = told.output.display().to_string();
+    let [width, height] = told.size;
+    let mut out = anstream::stdout();
+    if args.json {
+        let pass = |(name, ms): &(&str, Option<f64>)| serde_json::json!({ "name": name, "milliseconds": ms });
+        let resource = |(name, bytes): &(String, u64)| serde_json::json!({ "name": name, "bytes": bytes });
+        let mut json = serde_json::json!({
+            "scene": spec.name,
+            "skin": skin.name,
+            "size": told.size,
+            "backend": backend,
+            "by": drawn.by,
+            "seconds": told.seconds,
+            "exposure_ev": told.exposure,
+            "files": [file],
+        });
+        if args.explain {
+            json["passes"] = drawn.passes.iter().map(pass).collect();
+            json["slots"] = serde_json::json!(drawn.slots);
+            json["resources"] = drawn.resources.iter().map(resource).collect();
+        }
+        writeln!(out, "{json}")?;
+        return Ok(());
+    }
+    writeln!(
+        out,
+        "{} on {}, {width}x{height}: {backend} ({}), {:.2} s\n{file}",
+        skin.name, spec.name, drawn.by, told.seconds
+    )?;
+    if args.explain {
+        explain(&mut out, drawn)?;
+    }
+    Ok(())
+}
+
+fn explain(out: &mut impl std::io::Write, drawn: &Drawn) -> std::io::Result<()> {
+    for (name, milliseconds) in &drawn.passes {
+        match milliseconds {
+            Some(ms) => writeln!(out, "pass     {ms:9.2} ms  {name}")?,
+            None => writeln!(out, "pass            ? ms  {name}")?,
+        }
+    }
+    for slots in &drawn.slots {
+        writeln!(out, "shader                {}", slots.join(" "))?;
+    }
+    for (name, bytes) in &drawn.resources {
+        writeln!(out, "memory   {:9.2} MB  {name}", *bytes as f64 / 1e6)?;
+    }
+    Ok(())
+}

@@ -1,0 +1,272 @@
+//! Light from all around, made ready on the CPU: for each roughness the picture as a lobe of that width sees it, and the
+//! irradiance.
+//!
+//! A layer is the octahedron unfolded into a square (Engelhardt & Dachsbacher 2008), with texel centres on its edges. Each
+//! texel is a sum over few directions of a lobe, each read from a level of the picture about as coarse as the directions are
+//! far apart (Krivanek & Colbert, GPU Gems 3, ch. 20); the directions are the same for all texels.
+
+use std::f32::consts::PI;
+
+use glam::{Mat3, Vec3};
+use half::f16;
+use half::slice::HalfFloatSliceExt;
+use rayon::prelude::*;
+use wgpu::util::DeviceExt;
+
+use super::Gpu;
+use crate::base::{LinearRgb, num};
+use crate::scene::{Environment, EnvironmentImage, Light, Scene};
+
+/// Texels of a side of a layer.
+pub(super) const SIDE: usize = 128;
+/// Layers of roughness, from 0 to 1.
+pub(super) const LAYERS: usize = 8;
+/// Directions of a lobe, and of a hemisphere.
+const DIRECTIONS: usize = 48;
+/// Columns of the sharpest level that is filtered.
+const MOST_COLUMNS: usize = 1024;
+/// Columns of a picture of an even environment that lamps stand before.
+const EVEN_COLUMNS: usize = 256;
+/// Most radiance that a half holds.
+const BRIGHTEST: f32 = 60_000.0;
+
+/// The layers of a scene, `LAYERS + 1` of `SIDE` x `SIDE` texels of four halves each: see the module. `None` where the same
+/// comes from everywhere.
+pub(super) fn layers(scene: &Scene) -> Option<Vec<f16>> {
+    let picture = surroundings(scene)?;
+    let levels = levels(picture);
+    let lobes: Vec<Vec<Direction>> = (0..LAYERS)
+        .map(|i| gloss(i as f32 / (LAYERS - 1) as f32, &levels))
+        .chain(std::iter::once(hemisphere(&levels)))
+        .collect();
+    let mut out = vec![f16::ZERO; 4 * SIDE * SIDE * lobes.len()];
+    out.par_chunks_mut(4 * SIDE).enumerate().for_each(|(row, texels)| {
+        let (lobe, y) = (&lobes[row / SIDE], row % SIDE);
+        for (x, texel) in texels.chunks_exact_mut(4).enumerate() {
+            let normal = unfolded(x, y);
+            let (s, t) = normal.any_orthonormal_pair();
+            let axes = Mat3::from_cols(s, t, normal);
+            let mut sum = [0.0; 3];
+            for d in lobe {
+                let LinearRgb(c) = levels[d.level].radiance(axes * d.towards);
+                (0..3).for_each(|i| sum[i] += d.weight * c[i]);
+            }
+            (0..3).for_each(|i| texel[i] = f16::from_f32(sum[i].min(BRIGHTEST)));
+        }
+    });
+    Some(out)
+}
+
+/// Layers on the device.
+pub(super) fn texture(gpu: &Gpu, texels: &[f16]) -> wgpu::TextureView {
+    let side = SIDE as u32;
+    let descriptor = wgpu::TextureDescriptor {
+        label: Some("environment by roughness"),
+        size: wgpu::Extent3d { width: side, height: side, depth_or_array_layers: LAYERS as u32 + 1 },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: wgpu::TextureFormat::Rgba16Float,
+        usage: wgpu::TextureUsages::TEXTURE_BINDING,
+        view_formats: &[],
+    };
+    let order = wgpu::util::TextureDataOrder::LayerMajor;
+    let bytes = bytemuck::cast_slice(texels.reinterpret_cast());
+    let texture = gpu.device.create_texture_with_data(&gpu.queue, &descriptor, order, bytes);
+    texture.create_view(&wgpu::TextureViewDescriptor {
+        dimension: Some(wgpu::TextureViewDimension::D2Array),
+        ..Default::default()
+    })
+}
+
+/// What is all around as surfaces see it: rectangles hide what is behind them, as seen from the middle of the first object.
+fn surroundings(scene: &Scene) -> Option<EnvironmentImage> {
+    if scene.environment.is_black() {
+        return None;
+    }
+    let rectangles: Vec<&Light> = scene.lights.iter().filter(|l| matches!(l, Light::Area { .. })).collect();
+    let [low, high] = scene.objects.first().map(|o| o.mesh.bounds()).unwrap_or_default();
+    let middle = 0.5 * (low + high);
+    let hidden = |d: Vec3| rectangles.iter().any(|l| l.hit(middle, d).is_some());
+    match &scene.environment {
+        Environment::Constant(_) if rectangles.is_empty() => None,
+        Environment::Image(image) if rectangles.is_empty() => Some(image.as_ref().clone()),
+        environment => {
+            let (width, height) = match environment {
+                Environment::Image(image) => (image.width, image.height),
+                Environment::Constant(_) => (EVEN_COLUMNS, EVEN_COLUMNS / 2),
+            };
+            Some(EnvironmentImage::from_fn(width, height, |d| {
+                if hidden(d) { LinearRgb::default() } else { environment.radiance(d) }
+            }))
+        }
+    }
+}
+
+/// The picture, and coarser and coarser means of it.
+fn levels(mut picture: EnvironmentImage) -> Vec<EnvironmentImage> {
+    while picture.width > MOST_COLUMNS {
+        picture = halved(&picture);
+    }
+    let mut levels = vec![picture];
+    while let Some(last) = levels.last().filter(|last| last.width > 8 && last.height > 4) {
+        levels.push(halved(last));
+    }
+    levels
+}
+
+/// Half as many columns and rows; what an odd last one shows is left out.
+fn halved(picture: &EnvironmentImage) -> EnvironmentImage {
+    let (width, height) = (picture.width / 2, picture.height / 2);
+    // Rows towards the poles cover less.
+    let share = |y: usize| num::sin_turns(0.5 * (y as f32 + 0.5) / picture.height as f32);
+    let texels = (0..width * height).map(|i| {
+        let (x, y) = (2 * (i % width), 2 * (i / width));
+        let (a, b) = (share(y), share(y + 1));
+        let at = |x: usize, y: usize| picture.texels[y * picture.width + x];
+        let (p, q, r, s) = (at(x, y), at(x + 1, y), at(x, y + 1), at(x + 1, y + 1));
+        std::array::from_fn(|c| 0.5 * (a * (p[c] + q[c]) + b * (r[c] + s[c])) / (a + b))
+    });
+    EnvironmentImage { width, height, texels: texels.collect() }
+}
+
+/// A direction of a lobe around z.
+struct Direction {
+    towards: Vec3,
+    weight: f32,
+    level: usize,
+}
+
+/// The lobe of GGX of this roughness, seen along its normal: directions mirrored at facets, by the cosine.
+fn gloss(roughness: f32, levels: &[EnvironmentImage]) -> Vec<Direction> {
+    let alpha_2 = (roughness * roughness).powi(2);
+    if alpha_2 < 1e-8 {
+        return vec![Direction { towards: Vec3::Z, weight: 1.0, level: 0 }];
+    }
+    weighted(
+        (0..DIRECTIONS).map(|i| {
+            let (u, around) = point(i);
+            let cos_2 = (1.0 - u) / (1.0 + (alpha_2 - 1.0) * u);
+            let facet = towards(cos_2.sqrt(), around);
+            let mirrored = facet * (2.0 * facet.z) - Vec3::Z;
+            let t = 1.0 + (alpha_2 - 1.0) * cos_2;
+            // Density of facets over 4, as the facet and the view have one angle.
+            (mirrored, mirrored.z, alpha_2 / (4.0 * PI * t * t))
+        }),
+        levels,
+    )
+}
+
+/// All directions above the horizon, by the cosine: irradiance over pi.
+fn hemisphere(levels: &[EnvironmentImage]) -> Vec<Direction> {
+    weighted(
+        (0..4 * DIRECTIONS).map(|i| {
+            let (u, around) = point(i);
+            let towards = towards((1.0 - u).sqrt(), around);
+            (towards, 1.0, towards.z / PI)
+        }),
+        levels,
+    )
+}
+
+/// Directions with their weight and density as a lobe, those below the horizon left out.
+fn weighted(
+    directions: impl Iterator<Item = (Vec3, f32, f32)>,
+    levels: &[EnvironmentImage],
+) -> Vec<Direction> {
+    let all: Vec<_> = directions.collect();
+    let count = all.len() as f32;
+    // Of a texel at the equator of the sharpest level.
+    let texel = 2.0 * (PI / levels[0].height as f32).powi(2);
+    let mut lobe: Vec<Direction> = all
+        .into_iter()
+        .filter(|(_, weight, _)| *weight > 0.0)
+        .map(|(towards, weight, density)| {
+            let solid_angle = 1.0 / (count * density.max(1e-6));
+            let level = (0.5 * num::log2((solid_angle / texel).max(1.0))).ceil() as usize;
+            Direction { towards, weight, level: level.min(levels.len() - 1) }
+        })
+        .collect();
+    let sum: f32 = lobe.iter().map(|d| d.weight).sum();
+    lobe.iter_mut().for_each(|d| d.weight /= sum);
+    lobe
+}
+
+/// Point `i` of a sequence that is even over the unit square at any length (Roberts 2018), as (u, turns).
+fn point(i: usize) -> (f32, f32) {
+    (num::fract(0.5 + 0.754_877_7 * i as f32), num::fract(0.5 + 0.569_840_3 * i as f32))
+}
+
+fn towards(cos: f32, turns: f32) -> Vec3 {
+    let sin = num::safe_sqrt(1.0 - cos * cos);
+    Vec3::new(sin * num::cos_turns(turns), sin * num::sin_turns(turns), cos)
+}
+
+/// The direction that a texel of a layer shows.
+fn unfolded(x: usize, y: usize) -> Vec3 {
+    let at = |i: usize| 2.0 * i as f32 / (SIDE - 1) as f32 - 1.0;
+    let (px, pz) = (at(x), at(y));
+    let height = 1.0 - px.abs() - pz.abs();
+    let fold = |p: f32, q: f32| if height < 0.0 { (1.0 - q.abs()).copysign(p) } else { p };
+    Vec3::new(fold(px, pz), height, fold(pz, px)).normalize()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{Inputs, SceneSpec};
+    use std::sync::Arc;
+
+    fn scene(environment: Environment) -> Scene {
+        let mut spec = SceneSpec::default();
+        spec.subject.triangles = 1000;
+        let mut scene = Scene::build(&spec, &Inputs::default()).expect("it can be built");
+        scene.environment = environment;
+        scene.lights.clear();
+        scene
+    }
+
+    fn picture(f: impl Fn(Vec3) -> f32) -> Environment {
+        Environment::Image(Arc::new(EnvironmentImage::from_fn(256, 128, |d| LinearRgb([f(d); 3]))))
+    }
+
+    /// The texel of a layer that shows the direction of its index.
+    fn texel(layers: &[f16], layer: usize, x: usize, y: usize) -> f32 {
+        layers[4 * ((layer * SIDE + y) * SIDE + x)].to_f32()
+    }
+
+    #[test]
+    fn even_light_needs_no_layers_unless_a_lamp_stands_before_it() {
+        let even = || Environment::Constant(LinearRgb([0.5; 3]));
+        assert_eq!(layers(&scene(even())), None);
+        assert_eq!(layers(&scene(Environment::Constant(LinearRgb::default()))), None);
+        let mut lit = scene(even());
+        let middle = lit.objects[0].mesh.bounds().iter().sum::<Vec3>() * 0.5;
+        let (center, u, v) = (middle + Vec3::Y * 10.0, Vec3::X * 9.0, Vec3::Z * 9.0);
+        lit.lights = vec![Light::Area { center, u, v, radiance: LinearRgb([1.0; 3]) }];
+        let layers = layers(&lit).expect("a lamp");
+        // y is up in the middle of the octahedron's square.
+        assert!(texel(&layers, 0, SIDE / 2, SIDE / 2) < 0.01);
+        assert!((texel(&layers, 0, 0, 0) - 0.5).abs() < 1e-3, "straight down");
+        let share = texel(&layers, LAYERS, SIDE / 2, SIDE / 2) / 0.5;
+        assert!((0.3..0.7).contains(&share), "{share}");
+    }
+
+    /// Of light that grows with the height: irradiance over pi is 2/3 above and 0 below; the mirror shows it as it is, and
+    /// every lobe in between has a mean between these.
+    #[test]
+    fn layers_are_lobes_of_growing_width() {
+        let layers = layers(&scene(picture(|d| d.y.max(0.0)))).expect("a picture");
+        let up = |layer| texel(&layers, layer, SIDE / 2, SIDE / 2);
+        assert!((up(0) - 1.0).abs() < 0.01, "{}", up(0));
+        assert!((up(LAYERS) - 2.0 / 3.0).abs() < 0.01, "{}", up(LAYERS));
+        assert!(texel(&layers, LAYERS, 0, 0) < 0.01);
+        for layer in 1..LAYERS {
+            assert!(up(layer) < up(layer - 1) + 1e-3, "{layer}");
+        }
+        for (x, y) in [(10, 90), (64, 0), (127, 64), (100, 30)] {
+            let d = unfolded(x, y);
+            assert!((texel(&layers, 0, x, y) - d.y.max(0.0)).abs() < 0.01, "{d}");
+        }
+    }
+}

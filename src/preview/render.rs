@@ -1,0 +1,393 @@
+//! A scene on the device, and pictures of it.
+
+use bytemuck::Zeroable;
+use wgpu::util::DeviceExt;
+
+use super::background::Background;
+use super::frame::FrameUniform;
+use super::lamps::{Casters, Lamps};
+use super::mesh::{self, DeviceMesh};
+use super::program::{SkinOptions, SkinProgram, Slot};
+use super::shadows::Shadows;
+use super::slots::{self, Lit, Sky};
+use super::target::{self, Target};
+use super::textures::{self, Surface};
+use super::timing::Timing;
+use super::{Gpu, PreviewError, binding, environment, material::SkinData};
+use crate::scene::{Camera, Environment, Material, Scene, SceneFeatures};
+
+/// What is chosen rather than found in the scene.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Options {
+    /// Of materials.
+    pub skin: SkinOptions,
+    /// Small lights that a rectangle becomes, at least 1.
+    pub rectangle_samples: usize,
+    /// Texels of a side of a shadow map.
+    pub shadow_size: u32,
+    /// Most samples of a map along a slanted view, 1 to 16.
+    pub anisotropy: u16,
+    /// Whether the environment lights objects; it is seen behind them in any case.
+    pub environment: bool,
+    /// Whether suns and rectangles light objects.
+    pub lamps: bool,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            skin: SkinOptions::default(),
+            rectangle_samples: 16,
+            shadow_size: 1024,
+            anisotropy: 8,
+            environment: true,
+            lamps: true,
+        }
+    }
+}
+
+/// Linear light, as the scene has it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Picture {
+    /// Columns.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+    /// Row by row from the top.
+    pub texels: Vec<[f32; 3]>,
+    /// What was drawn for it, and how long that took on the device, ms, where the adapter tells.
+    pub passes: Vec<(&'static str, Option<f64>)>,
+}
+
+/// A scene on the device.
+#[derive(Debug)]
+pub struct Renderer<'g> {
+    gpu: &'g Gpu,
+    /// With the index of the material.
+    meshes: Vec<(DeviceMesh, usize)>,
+    materials: Vec<Option<Shaded>>,
+    frame: FrameUniform,
+    frame_block: wgpu::Buffer,
+    frame_group: wgpu::BindGroup,
+    shadows: Option<Shadows>,
+    depth: wgpu::RenderPipeline,
+    background: Background,
+    target: Option<Target>,
+    timing: Option<Timing>,
+    resources: Vec<(String, u64)>,
+}
+
+/// A material ready to be drawn with.
+#[derive(Debug)]
+struct Shaded {
+    pipeline: wgpu::RenderPipeline,
+    material: wgpu::BindGroup,
+    surface: wgpu::BindGroup,
+    slots: Vec<&'static str>,
+}
+
+impl<'g> Renderer<'g> {
+    /// Copy a scene to the device, and make what its pictures need. The scene's meshes must be sound.
+    ///
+    /// # Errors
+    /// If a material is out of range, something is larger than the adapter holds, or the device fails.
+    pub fn new(gpu: &'g Gpu, scene: &Scene, options: &Options) -> Result<Self, PreviewError> {
+        let mut resources = Vec::new();
+        let mut meshes = Vec::new();
+        // As each object in the scene, also those without triangles.
+        let mut of_objects = Vec::new();
+        for object in &scene.objects {
+            let mesh = DeviceMesh::new(gpu, &object.name, &object.mesh)?;
+            of_objects.push(mesh.as_ref().map(|_| meshes.len()));
+            if let Some(mesh) = mesh {
+                resources
+                    .push((format!("mesh of {}, {} triangles", object.name, mesh.triangles()), mesh.bytes()));
+                meshes.push((mesh, object.material));
+            }
+        }
+
+        let casters = Casters::new(scene);
+        let lamps = match options.lamps {
+            true => Lamps::new(scene, &casters, options.rectangle_samples, options.shadow_size)?,
+            false => Lamps::default(),
+        };
+        let lit = !lamps.lamps.is_empty();
+        let drawn = casters.objects.iter().filter_map(|i| of_objects[*i]).collect();
+        let shadows = lit.then(|| Shadows::new(gpu, &lamps, drawn, options.shadow_size)).transpose()?;
+        if let Some(shadows) = &shadows {
+            resources.push(("shadow maps".into(), shadows.bytes()));
+        }
+        let sky = if options.environment { environment::layers(scene) } else { None };
+        let environment = options.environment && !scene.environment.is_black();
+        let mut frame = FrameUniform {
+            lamps: lamps.lamps.len() as u32,
+            discs: lamps.discs.len() as u32,
+            sky_layers: environment::LAYERS as f32,
+            ..FrameUniform::zeroed()
+        };
+        if let Environment::Constant(radiance) = scene.environment {
+            frame.even = radiance.0;
+        }
+        let frame_block = gpu.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("frame"),
+            size: size_of::<FrameUniform>() as u64,
+            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        let sky_view = sky.map(|texels| {
+            resources.push(("environment by roughness".into(), 2 * texels.len() as u64));
+            environment::texture(gpu, &texels)
+        });
+        let bound = Bound::new(gpu, &frame_block, shadows.as_ref().map(|s| (s, &lamps)), sky_view.as_ref());
+
+        let sky = match (environment, &sky_view) {
+            (false, _) => Sky::Dark,
+            (true, None) => Sky::Even,
+            (true, Some(_)) => Sky::Image,
+        };
+        let lit = Lit { lamps: lit, sky };
+        let mut materials = Vec::new();
+        for (i, material) in scene.materials.iter().enumerate() {
+            let worn = meshes.iter().any(|(_, m)| *m == i);
+            let make = || Shaded::new(gpu, material, lit, &bound.layout, options, &mut resources);
+            materials.push(worn.then(make).transpose()?);
+        }
+        let background = Background::new(gpu, scene, &lamps, &bound.layout, &mut resources)?;
+        let renderer = Self {
+            gpu,
+            meshes,
+            materials,
+            frame,
+            frame_block,
+            frame_group: bound.group,
+            shadows,
+            depth: depth(gpu, &bound.layout),
+            background,
+            target: None,
+            timing: Timing::new(gpu),
+            resources,
+        };
+        gpu.wait()?;
+        Ok(renderer)
+    }
+
+    /// Draw the scene from a camera; everything is sharp, lenses do not count.
+    ///
+    /// # Errors
+    /// If the size is 0 or more than the adapter holds, or the device fails.
+    pub fn render(&mut self, camera: &Camera, [width, height]: [usize; 2]) -> Result<Picture, PreviewError> {
+        let target = match self.target.take().filter(|t| t.size() == [width, height]) {
+            Some(target) => target,
+            None => Target::new(self.gpu, [width, height])?,
+        };
+        let frame = FrameUniform {
+            lamps: self.frame.lamps,
+            discs: self.frame.discs,
+            sky_layers: self.frame.sky_layers,
+            even: self.frame.even,
+            ..FrameUniform::new(camera, width as f32 / height as f32)
+        };
+        self.gpu.queue.write_buffer(&self.frame_block, 0, bytemuck::bytes_of(&frame));
+        let mut encoder = self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let mut names = Vec::new();
+        if let Some(shadows) = self.shadows.as_mut().filter(|s| !s.drawn) {
+            shadows.draw(&mut encoder, &self.meshes, self.timing.as_ref().map(|t| t.pair(names.len())));
+            names.push("shadow maps");
+        }
+        self.picture(&mut encoder, &target, names.len());
+        names.push("picture");
+        target.copy(&mut encoder);
+        if let Some(timing) = &self.timing {
+            timing.resolve(&mut encoder, names.len());
+        }
+        self.gpu.queue.submit([encoder.finish()]);
+        let texels = target.read(self.gpu)?;
+        let times = match &self.timing {
+            Some(timing) => timing.read(self.gpu, names.len())?,
+            None => vec![None; names.len()],
+        };
+        self.target = Some(target);
+        Ok(Picture { width, height, texels, passes: names.into_iter().zip(times).collect() })
+    }
+
+    fn picture(&self, encoder: &mut wgpu::CommandEncoder, target: &Target, place: usize) {
+        let mut pass = target.begin(encoder, self.timing.as_ref().map(|t| t.pair(place)));
+        pass.set_bind_group(0, &self.frame_group, &[]);
+        // Depth alone first, so that only what is seen is shaded.
+        pass.set_pipeline(&self.depth);
+        self.meshes.iter().for_each(|(mesh, _)| mesh.draw(&mut pass));
+        for (mesh, material) in &self.meshes {
+            if let Some(Some(shaded)) = self.materials.get(*material) {
+                pass.set_pipeline(&shaded.pipeline);
+                pass.set_bind_group(1, &shaded.material, &[]);
+                pass.set_bind_group(2, &shaded.surface, &[]);
+                mesh.draw(&mut pass);
+            }
+        }
+        self.background.draw(&mut pass);
+    }
+
+    /// What lies on the device, with bytes.
+    pub fn resources(&self) -> Vec<(String, u64)> {
+        let target = self.target.as_ref().map(|t| ("picture and depth".to_owned(), t.bytes()));
+        self.resources.iter().cloned().chain(target).collect()
+    }
+
+    /// The files of each material's shader, and of the background's.
+    pub fn slots(&self) -> Vec<Vec<&'static str>> {
+        let materials = self.materials.iter().flatten().map(|m| m.slots.clone());
+        materials.chain([self.background.slots()]).collect()
+    }
+}
+
+impl Shaded {
+    fn new(
+        gpu: &Gpu,
+        material: &Material,
+        lit: Lit,
+        frame: &wgpu::BindGroupLayout,
+        options: &Options,
+        resources: &mut Vec<(String, u64)>,
+    ) -> Result<Self, PreviewError> {
+        let program = SkinProgram::new(&SceneFeatures::of_material(material), &options.skin);
+        let data = SkinData::new(&material.constants, material.thickness_nm, &program)
+            .map_err(|e| PreviewError::Material(e.to_string()))?;
+        resources.extend(data.tables.iter().map(|t| (t.name.to_owned(), 16 * t.texels.len() as u64)));
+        let material_layout = binding::layout(gpu, &data);
+        let surface = Surface::new(gpu, material, options.anisotropy)?;
+        resources.extend(surface.textures.iter().map(|(name, bytes)| ((*name).to_owned(), *bytes)));
+
+        let film_table = surface.film_table && program.has("film_series");
+        // The table has its own order of the series.
+        let constants = if film_table { Vec::new() } else { program.constants() };
+        let files = slots::files(&program, material.maps.is_some(), film_table, lit);
+        let module = slots::module(gpu, "skin", &files);
+        let layout = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: Some("skin"),
+            bind_group_layouts: &[Some(frame), Some(&material_layout), Some(&surface.layout)],
+            immediate_size: 0,
+        });
+        let pipeline = gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+            label: Some("skin"),
+            layout: Some(&layout),
+            vertex: wgpu::VertexState {
+                module: &module,
+                entry_point: Some("place"),
+                compilation_options: Default::default(),
+                buffers: &[Some(mesh::LAYOUT)],
+            },
+            primitive: wgpu::PrimitiveState::default(),
+            depth_stencil: Some(target::depth(wgpu::CompareFunction::Equal, false)),
+            multisample: target::multisample(),
+            fragment: Some(wgpu::FragmentState {
+                module: &module,
+                entry_point: Some("shade"),
+                compilation_options: wgpu::PipelineCompilationOptions {
+                    constants: &constants,
+                    ..Default::default()
+                },
+                targets: &[Some(target::FORMAT.into())],
+            }),
+            multiview_mask: None,
+            cache: None,
+        });
+        let material = binding::group(gpu, &material_layout, &data);
+        Ok(Self { pipeline, material, surface: surface.group, slots: files.iter().map(|f| f.name).collect() })
+    }
+}
+
+/// Draws nothing but depth.
+fn depth(gpu: &Gpu, frame: &wgpu::BindGroupLayout) -> wgpu::RenderPipeline {
+    let module = slots::module(gpu, "depth", &slots::slots!["frame", "depth"]);
+    let layout = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+        label: Some("depth"),
+        bind_group_layouts: &[Some(frame)],
+        immediate_size: 0,
+    });
+    gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label: Some("depth"),
+        layout: Some(&layout),
+        vertex: wgpu::VertexState {
+            module: &module,
+            entry_point: Some("place_depth"),
+            compilation_options: Default::default(),
+            buffers: &[Some(wgpu::VertexBufferLayout { attributes: &mesh::ATTRIBUTES[..1], ..mesh::LAYOUT })],
+        },
+        primitive: wgpu::PrimitiveState::default(),
+        depth_stencil: Some(target::depth(wgpu::CompareFunction::Greater, true)),
+        multisample: target::multisample(),
+        fragment: Some(wgpu::FragmentState {
+            module: &module,
+            entry_point: Some("no_color"),
+            compilation_options: Default::default(),
+            targets: &[Some(wgpu::ColorTargetState {
+                format: target::FORMAT,
+                blend: None,
+                write_mask: wgpu::ColorWrites::empty(),
+            })],
+        }),
+        multiview_mask: None,
+        cache: None,
+    })
+}
+
+/// Bind group 0, and its layout.
+struct Bound {
+    layout: wgpu::BindGroupLayout,
+    group: wgpu::BindGroup,
+}
+
+impl Bound {
+    fn new(
+        gpu: &Gpu,
+        frame: &wgpu::Buffer,
+        lamps: Option<(&Shadows, &Lamps)>,
+        sky: Option<&wgpu::TextureView>,
+    ) -> Self {
+        let block = lamps.map(|(_, lamps)| {
+            gpu.device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+                label: Some("lamps"),
+                contents: &lamps.block(),
+                usage: wgpu::BufferUsages::UNIFORM,
+            })
+        });
+        let sampler = gpu.device.create_sampler(&wgpu::SamplerDescriptor {
+            label: Some("environment"),
+            mag_filter: wgpu::FilterMode::Linear,
+            min_filter: wgpu::FilterMode::Linear,
+            ..Default::default()
+        });
+        let mut entries = vec![(textures::uniform_entry(0), frame.as_entire_binding())];
+        if let (Some((shadows, _)), Some(block)) = (lamps, &block) {
+            let comparison = wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Comparison);
+            entries.extend([
+                (textures::uniform_entry(1), block.as_entire_binding()),
+                (Shadows::entry(2), wgpu::BindingResource::TextureView(&shadows.all)),
+                (textures::entry(3, comparison), wgpu::BindingResource::Sampler(&shadows.sampler)),
+            ]);
+        }
+        if let Some(sky) = sky {
+            let filtering = wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering);
+            let array = wgpu::TextureViewDimension::D2Array;
+            entries.extend([
+                (textures::texture_entry(4, array), wgpu::BindingResource::TextureView(sky)),
+                (textures::entry(5, filtering), wgpu::BindingResource::Sampler(&sampler)),
+            ]);
+        }
+        let described: Vec<_> = entries.iter().map(|e| e.0).collect();
+        let layout = gpu.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+            label: Some("frame"),
+            entries: &described,
+        });
+        let resources: Vec<_> = entries
+            .into_iter()
+            .map(|(entry, resource)| wgpu::BindGroupEntry { binding: entry.binding, resource })
+            .collect();
+        let group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("frame"),
+            layout: &layout,
+            entries: &resources,
+        });
+        Self { layout, group }
+    }
+}

@@ -1,0 +1,21 @@
+// What is the same for a whole picture. The layout is that of `FrameUniform` in frame.rs: a test compares them.
+
+struct Frame {
+    // World to clip space; depth is 1 at the near plane and 0 at infinity.
+    clip: mat4x4f,
+    eye: vec3f,
+    // Layers of `sky` with roughness, from 0 to 1; the next one is irradiance.
+    sky_layers: f32,
+    // Directions of the view at the corners of the picture: middle, to the right, up.
+    forward: vec3f,
+    lamps: u32,
+    right: vec3f,
+    discs: u32,
+    up: vec3f,
+    padding: f32,
+    // Radiance from everywhere, where the environment is even.
+    even: vec3f,
+    padding_2: f32,
+}
+
+@group(0) @binding(0) var<uniform> frame: Frame;

@@ -1,0 +1,18 @@
+// A pixel of an object: light from lamps and from all around.
+
+// Most radiance that the target holds.
+const BRIGHTEST = 60000.0;
+
+@fragment
+fn shade(v: Varying, @builtin(front_facing) front: bool) -> @location(0) vec4f {
+    let found = look_up(v.uv);
+    let to_eye = normalize(frame.eye - v.position);
+    let across = cross(dpdx(v.position), dpdy(v.position));
+    let facet_2 = dot(across, across);
+    let facing = select(-across, across, dot(across, to_eye) > 0.0) * inverseSqrt(max(facet_2, 1e-30));
+    let facet = select(to_eye, facing, facet_2 > 1e-30);
+    let a = shading_axes(v, facet, front, found.bump, to_eye);
+    let wo = to_eye * a;
+    let light = lamp_light(found.point, v.position, facet, a, wo) + sky_light(found.point, facet, a, wo);
+    return vec4f(min(light, vec3f(BRIGHTEST)), 1.0);
+}

@@ -1,0 +1,32 @@
+// Light from a picture of all around, filtered beforehand: for each roughness a layer, then irradiance over pi. A layer is
+// the octahedron unfolded, with texel centres on its edges, so that no texel needs another edge's.
+
+@group(0) @binding(4) var sky: texture_2d_array<f32>;
+@group(0) @binding(5) var sky_sampler: sampler;
+
+fn sky_light(point: SurfacePoint, facet: vec3f, a: Axes, wo: vec3f) -> vec3f {
+    let skin = skin_view(point, wo);
+    let normal = a[2];
+    // Of a hemisphere that leans, this share is above the facet.
+    let open = 0.5 + 0.5 * dot(normal, facet);
+    let irradiance = sky_layer(normal, u32(frame.sky_layers)) * open;
+    let to_eye = a * wo;
+    let mirrored = reflect(-to_eye, normal);
+    let rough = sqrt(skin_alpha(skin));
+    // And of a lobe that dips below it, this.
+    let above = saturate(0.5 + 0.5 * dot(mirrored, facet) / max(skin_alpha(skin), 0.02));
+    let layer = min(rough * (frame.sky_layers - 1.0), frame.sky_layers - 1.0);
+    let low = u32(layer);
+    let high = min(low + 1u, u32(frame.sky_layers) - 1u);
+    let gloss = mix(sky_layer(mirrored, low), sky_layer(mirrored, high), layer - f32(low));
+    return skin_ambient(skin, irradiance, gloss * above);
+}
+
+fn sky_layer(direction: vec3f, layer: u32) -> vec3f {
+    let d = direction / (abs(direction.x) + abs(direction.y) + abs(direction.z));
+    let folded = (1.0 - abs(d.zx)) * select(vec2f(-1.0), vec2f(1.0), d.xz >= vec2f(0.0));
+    let p = select(d.xz, folded, d.y < 0.0);
+    let size = f32(textureDimensions(sky).x);
+    let uv = ((0.5 + 0.5 * p) * (size - 1.0) + 0.5) / size;
+    return textureSampleLevel(sky, sky_sampler, uv, layer, 0.0).rgb;
+}

@@ -1,0 +1,5 @@
+// The same from everywhere; black is none.
+
+fn surroundings(direction: vec3f) -> vec3f {
+    return frame.even;
+}
