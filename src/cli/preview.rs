@@ -10,7 +10,7 @@ use super::exit::{Exit, Failure};
 use super::progress::Progress;
 use super::render_scene::{MAP_SIZE, folder, screen, trace, wanted};
 use super::stage::{self, Skin, Source};
-use super::{generate, signal};
+use super::{generate, render, signal};
 use crate::io;
 use crate::preview::{Gpu, Options, PreviewError, Renderer};
 use crate::reference::{self, Settings, Stage, Transport};
@@ -30,6 +30,8 @@ struct Drawn {
     by: String,
     gpu: bool,
     passes: Vec<(&'static str, Option<f64>)>,
+    /// What the shader lacks.
+    left_out: Vec<&'static str>,
     slots: Vec<Vec<&'static str>>,
     resources: Vec<(String, u64)>,
 }
@@ -101,6 +103,7 @@ pub(super) fn run(args: &Preview) -> Result<Exit, Failure> {
                 by: format!("{:.1} samples per pixel", film.samples_per_pixel()),
                 gpu: false,
                 passes: Vec::new(),
+                left_out: Vec::new(),
                 slots: Vec::new(),
                 resources: Vec::new(),
             }
@@ -110,6 +113,10 @@ pub(super) fn run(args: &Preview) -> Result<Exit, Failure> {
     let pixels = pool.install(|| screen(&drawn.texels, args.tone.unwrap_or(spec.render.tone), exposure));
     io::write_picture(&args.output, size, &pixels)?;
     drop(progress);
+    for name in &drawn.left_out {
+        let message = format!("the picture is without {name}: the shader has none yet");
+        render::warning(&message, "`ophidian render`, or --backend cpu, draws it");
+    }
     if args.json || !args.quiet {
         let seconds = start.elapsed().as_secs_f64();
         report(args, &skin, spec, &drawn, Told { size, seconds, exposure, output: &args.output })?;
@@ -119,13 +126,14 @@ pub(super) fn run(args: &Preview) -> Result<Exit, Failure> {
 
 /// The picture by a graphics adapter.
 fn draw(gpu: &Gpu, scene: &Scene, size: [usize; 2]) -> Result<Drawn, PreviewError> {
-    let mut renderer = Renderer::new(gpu, scene, &Options::default())?;
+    let mut renderer = Renderer::new(gpu, scene, &Options::of(gpu))?;
     let picture = renderer.render(&scene.camera, size)?;
     Ok(Drawn {
         texels: picture.texels,
         by: gpu.info.name.clone(),
         gpu: true,
         passes: picture.passes,
+        left_out: renderer.left_out(),
         slots: renderer.slots(),
         resources: renderer.resources(),
     })

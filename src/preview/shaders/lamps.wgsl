@@ -34,14 +34,14 @@ struct Lamps {
 // Texels that a place is lifted off its surface for the test, along the facet.
 const LIFT = 1.5;
 
-fn lamp_light(point: SurfacePoint, position: vec3f, facet: vec3f, a: Axes, wo: vec3f) -> vec3f {
+fn lamp_light(skin: Skin, position: vec3f, facet: vec3f, a: Axes) -> vec3f {
     var sum = vec3f(0.0);
     for (var i = 0u; i < frame.lamps; i++) {
         let lamp = lamps.lamps[i];
-        var spread = point;
-        let alpha = point.roughness * point.roughness;
+        // Its lobe alone is spread: the base is what it is.
+        var spread = skin;
+        let alpha = skin_alpha(skin);
         spread.roughness = sqrt(sqrt(min(alpha * alpha + lamp.spread, 1.0)));
-        let skin = skin_view(spread, wo);
         for (var j = lamp.first; j < lamp.first + lamp.count; j++) {
             let to = lamps.samples[j].at.xyz - position * lamps.samples[j].at.w;
             let distance_2 = dot(to, to);
@@ -55,7 +55,7 @@ fn lamp_light(point: SurfacePoint, position: vec3f, facet: vec3f, a: Axes, wo: v
             }
             if dot(facet, direction) > 0.0 {
                 let start = position + facet * (LIFT * texel);
-                sum += skin_shine(skin, direction * a) * light * lit(j, start);
+                sum += skin_shine(spread, direction * a) * light * lit(j, start);
             }
         }
     }

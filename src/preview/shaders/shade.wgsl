@@ -12,7 +12,7 @@ fn shade(v: Varying, @builtin(front_facing) front: bool) -> @location(0) vec4f {
     let facing = select(-across, across, dot(across, to_eye) > 0.0) * inverseSqrt(max(facet_2, 1e-30));
     let facet = select(to_eye, facing, facet_2 > 1e-30);
     let a = shading_axes(v, facet, front, found.bump, to_eye);
-    let wo = to_eye * a;
-    let light = lamp_light(found.point, v.position, facet, a, wo) + sky_light(found.point, facet, a, wo);
+    let skin = skin_view(found.point, to_eye * a);
+    let light = lamp_light(skin, v.position, facet, a) + sky_light(skin, facet, a);
     return vec4f(min(light, vec3f(BRIGHTEST)), 1.0);
 }

@@ -4,13 +4,12 @@
 @group(0) @binding(4) var sky: texture_2d_array<f32>;
 @group(0) @binding(5) var sky_sampler: sampler;
 
-fn sky_light(point: SurfacePoint, facet: vec3f, a: Axes, wo: vec3f) -> vec3f {
-    let skin = skin_view(point, wo);
+fn sky_light(skin: Skin, facet: vec3f, a: Axes) -> vec3f {
     let normal = a[2];
     // Of a hemisphere that leans, this share is above the facet.
     let open = 0.5 + 0.5 * dot(normal, facet);
     let irradiance = sky_layer(normal, u32(frame.sky_layers)) * open;
-    let to_eye = a * wo;
+    let to_eye = a * skin.wo;
     let mirrored = reflect(-to_eye, normal);
     let rough = sqrt(skin_alpha(skin));
     // And of a lobe that dips below it, this.

@@ -1,5 +1,5 @@
 // Darkness all around.
 
-fn sky_light(point: SurfacePoint, facet: vec3f, a: Axes, wo: vec3f) -> vec3f {
+fn sky_light(skin: Skin, facet: vec3f, a: Axes) -> vec3f {
     return vec3f(0.0);
 }
