@@ -83,8 +83,8 @@
 //!
 //! # Features
 //!
-//! `cli` (default) is the command and needs the others; `files` is PNG, OpenEXR and manifests; `render` is scenes, the path
-//! tracer and the reports; `preview` draws on a GPU. Without any, the library touches no file system and also builds for
+//! `cli` (default) is the command and needs `files`, which is PNG, OpenEXR and manifests, and `render`, which is scenes, the
+//! path tracer and the reports; `preview` (default) draws on a GPU and is what takes longest to build. Without any, the library touches no file system and also builds for
 //! WebAssembly.
 #![warn(unreachable_pub)]
 

@@ -15,6 +15,7 @@ mod load;
 mod memory;
 mod nodes;
 mod presets;
+#[cfg(feature = "preview")]
 mod preview;
 mod progress;
 mod render;
@@ -61,6 +62,7 @@ fn dispatch(verb: &Verb) -> Result<Exit, Failure> {
         Verb::Schema(args) => schema::run(args),
         Verb::Presets(args) => presets::run(args),
         Verb::Verify(args) => verify::run(args),
+        #[cfg(feature = "preview")]
         Verb::Preview(args) => preview::run(args),
         Verb::Render(args) => render_scene::run(args),
         Verb::Film(args) => film::run(args),

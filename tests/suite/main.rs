@@ -11,6 +11,7 @@ mod golden;
 mod layers;
 mod made;
 mod mutations;
+#[cfg(feature = "preview")]
 mod preview;
 mod registration;
 mod render;

@@ -2,6 +2,7 @@
 
 mod film;
 mod generate;
+#[cfg(feature = "preview")]
 mod preview;
 mod render;
 mod report;
@@ -14,6 +15,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use super::exit::Exit;
 pub(super) use film::{Film, Precision};
 pub(super) use generate::{BytesArg, Format, Generate, MapsArg, NormalArg, names};
+#[cfg(feature = "preview")]
 pub(super) use preview::{BackendArg, Preview};
 pub(super) use render::{Render, StageArg, TransportArg};
 pub(super) use report::{Report, ReportKind};
@@ -55,6 +57,7 @@ pub(super) enum Verb {
     /// Compare texture sets with their manifest.
     Verify(Verify),
     /// Draw a skin on the subject of a scene on a graphics adapter, now.
+    #[cfg(feature = "preview")]
     Preview(Box<Preview>),
     /// Render a skin on the subject of a scene by path tracing: the ground truth.
     Render(Box<Render>),
