@@ -142,22 +142,7 @@ fn picture(
         image.texels.iter().map(|t| [half(t[0]), half(t[1]), half(t[2]), half(1.0)]).collect();
     let bytes: &[u8] = bytemuck::cast_slice(&texels);
     resources.push(("environment".into(), bytes.len() as u64));
-    let descriptor = wgpu::TextureDescriptor {
-        label: Some("environment"),
-        size: wgpu::Extent3d {
-            width: image.width as u32,
-            height: image.height as u32,
-            depth_or_array_layers: 1,
-        },
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format: wgpu::TextureFormat::Rgba16Float,
-        usage: wgpu::TextureUsages::TEXTURE_BINDING,
-        view_formats: &[],
-    };
-    let order = wgpu::util::TextureDataOrder::LayerMajor;
-    let texture = gpu.device.create_texture_with_data(&gpu.queue, &descriptor, order, bytes);
+    let texture = textures::upload(gpu, "environment", [image.width, image.height, 1], 1, bytes);
     Ok(texture.create_view(&wgpu::TextureViewDescriptor::default()))
 }
 

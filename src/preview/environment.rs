@@ -11,9 +11,8 @@ use glam::{Mat3, Vec3};
 use half::f16;
 use half::slice::HalfFloatSliceExt;
 use rayon::prelude::*;
-use wgpu::util::DeviceExt;
 
-use super::Gpu;
+use super::{Gpu, textures};
 use crate::base::{LinearRgb, num};
 use crate::scene::{Environment, EnvironmentImage, Light, Scene};
 
@@ -59,20 +58,8 @@ pub(super) fn layers(scene: &Scene) -> Option<Vec<f16>> {
 
 /// Layers on the device.
 pub(super) fn texture(gpu: &Gpu, texels: &[f16]) -> wgpu::TextureView {
-    let side = SIDE as u32;
-    let descriptor = wgpu::TextureDescriptor {
-        label: Some("environment by roughness"),
-        size: wgpu::Extent3d { width: side, height: side, depth_or_array_layers: LAYERS as u32 + 1 },
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: wgpu::TextureDimension::D2,
-        format: wgpu::TextureFormat::Rgba16Float,
-        usage: wgpu::TextureUsages::TEXTURE_BINDING,
-        view_formats: &[],
-    };
-    let order = wgpu::util::TextureDataOrder::LayerMajor;
     let bytes = bytemuck::cast_slice(texels.reinterpret_cast());
-    let texture = gpu.device.create_texture_with_data(&gpu.queue, &descriptor, order, bytes);
+    let texture = textures::upload(gpu, "environment by roughness", [SIDE, SIDE, LAYERS + 1], 1, bytes);
     texture.create_view(&wgpu::TextureViewDescriptor {
         dimension: Some(wgpu::TextureViewDimension::D2Array),
         ..Default::default()

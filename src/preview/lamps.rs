@@ -151,9 +151,8 @@ impl Lamps {
 impl Disc {
     /// `None` for a light that is no disc.
     fn new(light: &Light) -> Option<Self> {
-        let Light::Directional { direction, .. } = *light else { return None };
+        let Light::Directional { direction, angular_radius_rad, .. } = *light else { return None };
         let hit = light.hit(Vec3::ZERO, direction)?;
-        let Light::Directional { angular_radius_rad, .. } = *light else { return None };
         let half_sin = libm::sinf(0.5 * angular_radius_rad);
         Some(Self {
             direction: direction.to_array(),

@@ -208,22 +208,8 @@ impl Surface {
             let data: Vec<u16> =
                 levels.iter().flat_map(|level| level[which].reinterpret_cast()).copied().collect();
             let bytes: &[u8] = bytemuck::cast_slice(&data);
-            let descriptor = wgpu::TextureDescriptor {
-                label: Some(names[which]),
-                size: wgpu::Extent3d {
-                    width: maps.width as u32,
-                    height: maps.height as u32,
-                    depth_or_array_layers: 1,
-                },
-                mip_level_count: levels.len() as u32,
-                sample_count: 1,
-                dimension: wgpu::TextureDimension::D2,
-                format: wgpu::TextureFormat::Rgba16Float,
-                usage: wgpu::TextureUsages::TEXTURE_BINDING,
-                view_formats: &[],
-            };
-            let order = wgpu::util::TextureDataOrder::LayerMajor;
-            (gpu.device.create_texture_with_data(&gpu.queue, &descriptor, order, bytes), bytes.len() as u64)
+            let size = [maps.width, maps.height, 1];
+            (upload(gpu, names[which], size, levels.len(), bytes), bytes.len() as u64)
         });
         let views = textures.each_ref().map(|(t, _)| t.create_view(&wgpu::TextureViewDescriptor::default()));
         let sampler = gpu.device.create_sampler(&wgpu::SamplerDescriptor {
@@ -289,14 +275,32 @@ fn film_texture(
 ) -> Result<(wgpu::TextureView, u64), PreviewError> {
     let texels =
         film_table::table(indices, thickest_nm).map_err(|e| PreviewError::Material(e.to_string()))?;
+    let bytes: &[u8] = bytemuck::cast_slice(texels.reinterpret_cast());
+    let size = [film_table::COSINES, film_table::THICKNESSES, film_table::LAYERS];
+    let texture = upload(gpu, "film", size, 1, bytes);
+    let view = texture.create_view(&wgpu::TextureViewDescriptor {
+        dimension: Some(wgpu::TextureViewDimension::D2Array),
+        ..Default::default()
+    });
+    Ok((view, bytes.len() as u64))
+}
+
+/// A texture to read, four halves a texel: columns, rows and layers, with so many levels, layer by layer.
+pub(super) fn upload(
+    gpu: &Gpu,
+    name: &str,
+    [width, height, layers]: [usize; 3],
+    levels: usize,
+    bytes: &[u8],
+) -> wgpu::Texture {
     let descriptor = wgpu::TextureDescriptor {
-        label: Some("film"),
+        label: Some(name),
         size: wgpu::Extent3d {
-            width: film_table::COSINES as u32,
-            height: film_table::THICKNESSES as u32,
-            depth_or_array_layers: film_table::LAYERS as u32,
+            width: width as u32,
+            height: height as u32,
+            depth_or_array_layers: layers as u32,
         },
-        mip_level_count: 1,
+        mip_level_count: levels as u32,
         sample_count: 1,
         dimension: wgpu::TextureDimension::D2,
         format: wgpu::TextureFormat::Rgba16Float,
@@ -304,13 +308,7 @@ fn film_texture(
         view_formats: &[],
     };
     let order = wgpu::util::TextureDataOrder::LayerMajor;
-    let bytes: &[u8] = bytemuck::cast_slice(texels.reinterpret_cast());
-    let texture = gpu.device.create_texture_with_data(&gpu.queue, &descriptor, order, bytes);
-    let view = texture.create_view(&wgpu::TextureViewDescriptor {
-        dimension: Some(wgpu::TextureViewDimension::D2Array),
-        ..Default::default()
-    });
-    Ok((view, bytes.len() as u64))
+    gpu.device.create_texture_with_data(&gpu.queue, &descriptor, order, bytes)
 }
 
 /// A bind group of these resources, from binding 0 on.
