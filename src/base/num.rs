@@ -89,6 +89,17 @@ pub fn cos_turns(x: f32) -> f32 {
     sin_turns(wrap_half(x) + 0.25)
 }
 
+/// `atan(z)` in turns for |z| <= tan(pi/8); maximum error 3e-7 turns.
+#[inline(always)]
+pub fn atan_turns(z: f32) -> f32 {
+    let s = z * z;
+    let p = z
+        * (1.0
+            + s * (-0.333_333_33
+                + s * (0.2 + s * (-0.142_857_15 + s * (0.111_111_11 + s * (-0.090_909_09 + s * 0.06))))));
+    p * (0.5 / PI)
+}
+
 /// `atan2(y, x)` in turns, in [-0.5, 0.5]; (0, 0) gives 0; maximum error 4e-7 turns.
 #[inline(always)]
 pub fn atan2_turns(y: f32, x: f32) -> f32 {
@@ -98,12 +109,7 @@ pub fn atan2_turns(y: f32, x: f32) -> f32 {
     // Reduce [0, 1] to [-0.4142, 0.4142] by atan(t) = pi/4 + atan((t - 1) / (t + 1)).
     let far = t > 0.414_213_57;
     let z = if far { (t - 1.0) / (t + 1.0) } else { t };
-    let s = z * z;
-    let p = z
-        * (1.0
-            + s * (-0.333_333_33
-                + s * (0.2 + s * (-0.142_857_15 + s * (0.111_111_11 + s * (-0.090_909_09 + s * 0.06))))));
-    let a = (if far { 0.125 } else { 0.0 }) + p * (0.5 / PI);
+    let a = (if far { 0.125 } else { 0.0 }) + atan_turns(z);
     let a = if ay > ax { 0.25 - a } else { a };
     let a = if x < 0.0 { 0.5 - a } else { a };
     if y < 0.0 { -a } else { a }

@@ -207,13 +207,7 @@ fn angles_turns(y: [f32; 2], x: [f32; 2]) -> [f32; 2] {
         // atan(t) = pi/4 + atan((t - 1)/(t + 1)), where t = lo/hi is above tan(pi/8).
         let far = lo > 0.414_213_57 * hi;
         let (over, under) = if far { (lo - hi, lo + hi) } else { (lo, hi) };
-        let z = over / under;
-        let s = z * z;
-        let p = z
-            * (1.0
-                + s * (-0.333_333_33
-                    + s * (0.2 + s * (-0.142_857_15 + s * (0.111_111_11 + s * (-0.090_909_09 + s * 0.06))))));
-        let a = (if far { 0.125 } else { 0.0 }) + p * (0.5 / PI);
+        let a = (if far { 0.125 } else { 0.0 }) + num::atan_turns(over / under);
         let a = if ay > ax { 0.25 - a } else { a };
         let a = if x < 0.0 { 0.5 - a } else { a };
         if y < 0.0 { -a } else { a }
