@@ -1,8 +1,8 @@
 //! Which triangle a ray meets first, over all objects of a scene.
 //!
 //! The crate `obvhs` sorts the triangles into a binary tree; [`tree`] widens it to eight boxes a node and [`triangles`]
-//! packs four triangles a leaf, so that one node and one leaf are each one vector's work. Written as plain loops over
-//! lanes, they give the same at every instruction set.
+//! packs four triangles a leaf, so that one node and one leaf are each one vector's work. No operation of
+//! these lanes rounds otherwise than the same on numbers, so every instruction set gives the same.
 
 mod tree;
 mod triangles;
