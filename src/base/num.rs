@@ -115,20 +115,23 @@ pub fn atan2_turns(y: f32, x: f32) -> f32 {
     if y < 0.0 { -a } else { a }
 }
 
+/// `2^f` for |f| <= 1/2: Taylor series of `e^(f ln 2)` to f^7, truncation 5e-9.
+#[inline(always)]
+pub fn exp2_fraction(f: f32) -> f32 {
+    1.0 + f
+        * (0.693_147_2
+            + f * (0.240_226_51
+                + f * (0.055_504_11
+                    + f * (0.009_618_129
+                        + f * (0.001_333_355_8 + f * (0.000_154_035_3 + f * 0.000_015_252_7))))))
+}
+
 /// `2^x`, x clamped to [-126, 127]; maximum relative error 2e-7.
 #[inline(always)]
 pub fn exp2(x: f32) -> f32 {
     let x = x.max(-126.0).min(127.0);
     let i = (x + 0.5).floor();
-    let f = x - i;
-    // Taylor series of 2^f = e^(f ln 2), |f| <= 1/2, to f^7: truncation 5e-9.
-    let p = 1.0
-        + f * (0.693_147_2
-            + f * (0.240_226_51
-                + f * (0.055_504_11
-                    + f * (0.009_618_129
-                        + f * (0.001_333_355_8 + f * (0.000_154_035_3 + f * 0.000_015_252_7))))));
-    p * f32::from_bits((((i as i32) + 127) << 23) as u32)
+    exp2_fraction(x - i) * f32::from_bits((((i as i32) + 127) << 23) as u32)
 }
 
 /// `log2(x)` for normal x > 0 (smaller x read as 2^-126); maximum absolute error 3e-7 for x in [1/2, 2].

@@ -310,10 +310,11 @@ impl<F: Real> Layers<F> {
                 // The share of energy, roughly: light comes in along the normal.
                 let mut share = leaving.clear;
                 (0..N).for_each(|i| share[i] = share[i] * scale[i]);
+                let mut base = mean(share) * F::from_f64(PI) / self.eta;
                 if absorbing {
-                    (0..N).for_each(|i| share[i] = share[i] * (tau[i] * (out[i] + F::ONE)).decay());
+                    // Of the mean depth: any share will do.
+                    base = base * (mean(tau) * (mean(out) + F::ONE)).decay();
                 }
-                let base = mean(share) * F::from_f64(PI) / self.eta;
                 let top = mean(through.map(|t| F::ONE - t));
                 let least = F::from_f64(LEAST_CHANCE);
                 let share = top / (top + base).max(F::from_f64(1e-30));

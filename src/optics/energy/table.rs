@@ -381,14 +381,15 @@ impl<F: Real> Table<F> {
     /// `1 - rho(tau)`: what does not return to the base, for each band.
     #[inline(always)]
     pub(in super::super) fn lost<const N: usize>(&self, leaving: &Leaving<F, N>, tau: [F; N]) -> [F; N] {
-        let mut out = [F::ZERO; N];
-        for i in 0..N {
-            let mut g = F::ZERO;
-            for m in 0..DEPTHS {
-                g += leaving.parts[m][i] * (tau[i] * self.depths[m]).decay();
+        let (mut g, mut out) = ([F::ZERO; N], [F::ZERO; N]);
+        for m in 0..DEPTHS {
+            for i in 0..N {
+                g[i] += leaving.parts[m][i] * (tau[i] * self.depths[m]).decay();
             }
+        }
+        for i in 0..N {
             let two = F::from_f64(2.0);
-            let lost = (F::ONE - two * fast_exponential_integral_3(two * tau[i]) + g).max(F::ZERO);
+            let lost = (F::ONE - two * fast_exponential_integral_3(two * tau[i]) + g[i]).max(F::ZERO);
             out[i] = if tau[i] > F::ZERO { lost } else { leaving.clear[i] };
         }
         out
