@@ -61,7 +61,7 @@ fn throughput(c: &mut Criterion) {
     let renderer = Renderer::new(&scene).expect("sound");
     let mut group = c.benchmark_group("coil of 524288 triangles, 960x540");
     group.sample_size(10).sampling_mode(SamplingMode::Flat);
-    let settings = Settings { samples: 16, ..Settings::default() };
+    let settings = Settings { samples: 64, ..Settings::default() };
     group.throughput(Throughput::Elements(
         u64::from(settings.samples) * (settings.width * settings.height) as u64,
     ));
@@ -72,7 +72,7 @@ fn throughput(c: &mut Criterion) {
         let settings = Settings { transport, ..settings };
         // Tables are made at first use.
         renderer.render(&Settings { samples: 1, ..settings }, Control::default());
-        group.bench_function(BenchmarkId::new(name, "16 spp"), |b| {
+        group.bench_function(BenchmarkId::new(name, "64 spp"), |b| {
             b.iter(|| renderer.render(&settings, Control::default()));
         });
     }

@@ -124,6 +124,33 @@ impl<'a> Lights<'a> {
         Some(Found { radiance: *radiance, pdf: pdf * self.chances[i + 1] })
     }
 
+    /// The light that rays from the eye meet: the first one with a surface that is nearer than a limit, or, where that is
+    /// infinite, all that is far away.
+    #[inline(always)]
+    pub(super) fn seen<const N: usize>(
+        &self,
+        origins: &[Vec3; N],
+        directions: &[Vec3; N],
+        limits: &[f32; N],
+    ) -> [Option<[f32; 3]>; N] {
+        let mut skies = [LinearRgb([0.0; 3]); N];
+        if self.environment.is_some() && limits.contains(&f32::INFINITY) {
+            skies = self.scene.environment.radiances(directions);
+        }
+        let mut colors = [None; N];
+        for i in 0..N {
+            colors[i] = match self.hit(origins[i], directions[i], limits[i], false) {
+                Some(found) => Some(found.radiance.0),
+                None if limits[i] < f32::INFINITY => None,
+                None => Some(self.suns(directions[i]).fold(skies[i].0, |sum, sun| {
+                    let more = sun.radiance.0;
+                    [sum[0] + more[0], sum[1] + more[1], sum[2] + more[2]]
+                })),
+            };
+        }
+        colors
+    }
+
     /// What comes from the environment in a direction. Its density is computed only if `pdf_wanted`.
     #[inline(always)]
     pub(super) fn sky(&self, direction: Vec3, pdf_wanted: bool) -> Option<Found> {
@@ -139,14 +166,19 @@ impl<'a> Lights<'a> {
     /// only if `pdf_wanted`.
     #[inline(always)]
     pub(super) fn far(&self, direction: Vec3, pdf_wanted: bool) -> impl Iterator<Item = Found> {
-        let suns = self.scene.lights.iter().zip(&self.chances[1..]).filter_map(move |(light, chance)| {
+        self.sky(direction, pdf_wanted).into_iter().chain(self.suns(direction))
+    }
+
+    /// What comes from discs of directional lights in a direction.
+    #[inline(always)]
+    fn suns(&self, direction: Vec3) -> impl Iterator<Item = Found> {
+        self.scene.lights.iter().zip(&self.chances[1..]).filter_map(move |(light, chance)| {
             if matches!(light, Light::Area { .. }) {
                 return None;
             }
             let hit = light.hit(Vec3::ZERO, direction)?;
             Some(Found { radiance: hit.radiance, pdf: hit.pdf * chance })
-        });
-        self.sky(direction, pdf_wanted).into_iter().chain(suns)
+        })
     }
 }
 

@@ -37,29 +37,35 @@ pub(super) struct Walk<'a, S> {
 }
 
 impl World<'_> {
-    /// What a ray from the eye meets: an object, or light, whose colour needs no wavelengths. `objects` is false where it is
-    /// known to meet none.
+    /// What rays from the eye meet: an object, or light, whose colour needs no wavelengths. `objects` is false where they
+    /// are known to meet none.
     #[inline(always)]
-    pub(super) fn first<S: Simd>(
+    pub(super) fn first<S: Simd, const N: usize>(
         &self,
-        Walk { simd, stack, .. }: &mut Walk<'_, S>,
-        origin: Vec3,
-        direction: Vec3,
+        simd: S,
+        stack: &mut Stack,
+        origins: &[Vec3; N],
+        directions: &[Vec3; N],
         objects: bool,
-    ) -> Result<Hit, [f32; 3]> {
-        let hit =
-            if objects { self.bvh.first_hit(*simd, stack, origin, direction, f32::INFINITY) } else { None };
-        let limit = hit.map_or(f32::INFINITY, |h| h.distance);
-        if let Some(found) = self.lights.hit(origin, direction, limit, false) {
-            return Err(found.radiance.0);
+    ) -> [Result<Hit, [f32; 3]>; N] {
+        let mut hits = [None; N];
+        if objects {
+            hits = self.bvh.first_hits(simd, stack, origins, directions);
         }
-        match hit {
-            Some(hit) => Ok(hit),
-            None => {
-                let far = self.lights.far(direction, false);
-                Err(far.fold([0.0; 3], |sum, found| std::array::from_fn(|c| sum[c] + found.radiance.0[c])))
-            }
+        let mut limits = [f32::INFINITY; N];
+        for i in 0..N {
+            limits[i] = hits[i].map_or(f32::INFINITY, |h| h.distance);
         }
+        let lights = self.lights.seen(origins, directions, &limits);
+        let mut met = [Err([0.0; 3]); N];
+        for i in 0..N {
+            met[i] = match (lights[i], hits[i]) {
+                (Some(light), _) => Err(light),
+                (None, Some(hit)) => Ok(hit),
+                (None, None) => Err([0.0; 3]),
+            };
+        }
+        met
     }
 
     /// Radiance that an object sends back along a ray, in every band, by a random path; what is met is added to `pixel`.

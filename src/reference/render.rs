@@ -25,8 +25,11 @@ use crate::scene::{Scene, camera::View, mesh::MeshError};
 const TILE: usize = 16;
 /// Wavelengths of one path.
 const WAVELENGTHS: usize = 4;
-/// Most samples of a pixel before the next pixel has its turn.
+/// Most samples of a pixel before the next pixel has its turn: each pass fetches all triangles from memory again.
 const PASS: u32 = 16;
+
+/// Samples of a pixel whose first rays are followed together.
+const TOGETHER: usize = 8;
 
 /// What a caller can say while a picture is made.
 #[derive(Clone, Copy, Default)]
@@ -148,9 +151,10 @@ impl<'a> Renderer<'a> {
         let total = film.pixels.len() as u64 * u64::from(samples.end.saturating_sub(samples.start));
         let done = AtomicU64::new(0);
         let mut start = samples.start;
-        // Few samples at a time, so that a picture that is stopped is whole.
+        // One sample first, so that a picture that is stopped is whole.
         while start < samples.end && !control.cancelled() {
-            let pass = start..samples.end.min(start + (start - samples.start).clamp(1, PASS));
+            let most = if start == samples.start { 1 } else { PASS };
+            let pass = start..samples.end.min(start + most);
             tiles.par_iter_mut().for_each(|tile| {
                 if control.cancelled() {
                     return;
@@ -243,24 +247,40 @@ impl Tile {
             let mut pixel = *sums;
             let place = [self.x + i % self.width, self.y + i / self.width];
             let objects = silhouette.is_none_or(|s| s[place[1] * width + place[0]]);
-            for index in samples.clone() {
-                let sampler = Sampler::new(kind, seed, place.map(|p| p as u32), index);
-                let mut walk = Walk { simd, sampler, stack: &mut stack };
-                let u = walk.sampler.next();
-                let x = (place[0] as f32 + u[0]) / width as f32;
-                let y = (place[1] as f32 + u[1]) / height as f32;
-                // A pinhole leaves a number over for the wavelengths; a lens wants two of its own.
-                let lens = if eye.aperture > 0.0 { walk.sampler.next() } else { [0.5; 4] };
-                let (origin, direction) = eye.ray(x, y, [lens[0], lens[1]]);
-                let rgb = match world.first(&mut walk, origin, direction, objects) {
-                    Err(rgb) => rgb,
-                    Ok(hit) => {
-                        let channels = channels(u[2]);
-                        let channels = channels.borrow();
-                        channels.rgb(world.radiance(&mut walk, hit, direction, channels, &mut pixel))
-                    }
-                };
-                pixel.add(rgb);
+            let mut first = samples.start;
+            while first < samples.end {
+                let count = (samples.end - first).min(TOGETHER as u32);
+                let (mut origins, mut directions) = ([eye.origin; TOGETHER], [eye.forward; TOGETHER]);
+                let mut samplers = [Sampler::new(kind, seed, place.map(|p| p as u32), first); TOGETHER];
+                let mut colors = [0.0; TOGETHER];
+                for lane in 0..TOGETHER {
+                    // The last one again, where there are no more.
+                    let index = first + (lane as u32).min(count - 1);
+                    let sampler = &mut samplers[lane];
+                    *sampler = Sampler::new(kind, seed, place.map(|p| p as u32), index);
+                    let u = sampler.next();
+                    let x = (place[0] as f32 + u[0]) / width as f32;
+                    let y = (place[1] as f32 + u[1]) / height as f32;
+                    // A pinhole leaves a number over for the wavelengths; a lens wants two of its own.
+                    let lens = if eye.aperture > 0.0 { sampler.next() } else { [0.5; 4] };
+                    (origins[lane], directions[lane]) = eye.ray(x, y, [lens[0], lens[1]]);
+                    colors[lane] = u[2];
+                }
+                let met = world.first(simd, &mut stack, &origins, &directions, objects);
+                for lane in 0..count as usize {
+                    let rgb = match met[lane] {
+                        Err(rgb) => rgb,
+                        Ok(hit) => {
+                            let channels = channels(colors[lane]);
+                            let channels = channels.borrow();
+                            let mut walk = Walk { simd, sampler: samplers[lane], stack: &mut stack };
+                            let direction = directions[lane];
+                            channels.rgb(world.radiance(&mut walk, hit, direction, channels, &mut pixel))
+                        }
+                    };
+                    pixel.add(rgb);
+                }
+                first += count;
             }
             *sums = pixel;
         }

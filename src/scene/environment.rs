@@ -69,6 +69,15 @@ impl Environment {
         }
     }
 
+    /// Radiance from several directions (unit vectors) at once.
+    #[inline(always)]
+    pub fn radiances<const N: usize>(&self, directions: &[Vec3; N]) -> [LinearRgb; N] {
+        match self {
+            Self::Constant(radiance) => [*radiance; N],
+            Self::Image(image) => image.radiances(directions),
+        }
+    }
+
     /// Mean radiance over all directions.
     pub fn mean_radiance(&self) -> LinearRgb {
         match self {
@@ -141,6 +150,17 @@ impl EnvironmentImage {
         self.radiance_at(place_of(direction))
     }
 
+    /// The same from several directions at once, as lanes.
+    #[inline(always)]
+    fn radiances<const N: usize>(&self, directions: &[Vec3; N]) -> [LinearRgb; N] {
+        let places = places_of(directions);
+        let mut radiances = [LinearRgb([0.0; 3]); N];
+        for i in 0..N {
+            radiances[i] = self.radiance_at(places[i]);
+        }
+        radiances
+    }
+
     /// Radiance at a place of the picture.
     #[inline(always)]
     fn radiance_at(&self, [u, v]: [f32; 2]) -> LinearRgb {
@@ -199,10 +219,30 @@ fn place_of(d: Vec3) -> [f32; 2] {
     [num::saturate(0.5 + around), num::saturate(2.0 * down)]
 }
 
-/// Two of [`num::atan2_turns`] at once, within 1e-6 of it: as lanes, with one division.
+/// [`place_of`] several directions at once.
 #[inline(always)]
-fn angles_turns(y: [f32; 2], x: [f32; 2]) -> [f32; 2] {
-    std::array::from_fn(|i| {
+fn places_of<const N: usize>(directions: &[Vec3; N]) -> [[f32; 2]; N] {
+    let (mut x, mut y, mut back, mut radius) = ([0.0; N], [0.0; N], [0.0; N], [0.0; N]);
+    for i in 0..N {
+        (x[i], y[i], back[i]) = (directions[i].x, directions[i].y, -directions[i].z);
+    }
+    for i in 0..N {
+        radius[i] = (x[i] * x[i] + back[i] * back[i]).sqrt();
+    }
+    let (around, down) = (angles_turns(x, back), angles_turns(radius, y));
+    let mut places = [[0.0; 2]; N];
+    for i in 0..N {
+        places[i] = [num::saturate(0.5 + around[i]), num::saturate(2.0 * down[i])];
+    }
+    places
+}
+
+/// [`num::atan2_turns`] of several at once, within 1e-6 of it: as lanes, with one division.
+#[inline(always)]
+fn angles_turns<const N: usize>(y: [f32; N], x: [f32; N]) -> [f32; N] {
+    // Plain code: closures handed to std are not compiled for wider instruction sets.
+    let mut turns = [0.0; N];
+    for i in 0..N {
         let (y, x) = (y[i], x[i]);
         let (ax, ay) = (x.abs(), y.abs());
         let (lo, hi) = (ax.min(ay), ax.max(ay).max(f32::MIN_POSITIVE));
@@ -212,8 +252,9 @@ fn angles_turns(y: [f32; 2], x: [f32; 2]) -> [f32; 2] {
         let a = (if far { 0.125 } else { 0.0 }) + num::atan_turns(over / under);
         let a = if ay > ax { 0.25 - a } else { a };
         let a = if x < 0.0 { 0.5 - a } else { a };
-        if y < 0.0 { -a } else { a }
-    })
+        turns[i] = if y < 0.0 { -a } else { a };
+    }
+    turns
 }
 
 /// Share of the sphere that row `y` covers.

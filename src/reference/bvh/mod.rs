@@ -13,7 +13,7 @@ use obvhs::BvhBuildParams;
 use obvhs::bvh2::builder::build_bvh2_from_tris;
 use obvhs::triangle::Triangle;
 
-use self::tree::{Link, Ray, Tree};
+use self::tree::{Beam, Link, Ray, Tree};
 use self::triangles::{LANES, Leaf};
 use crate::scene::{Mesh, Object};
 
@@ -67,6 +67,15 @@ struct Entry {
     link: Link,
 }
 
+/// What a ray has met so far.
+#[derive(Clone, Copy)]
+struct Nearest {
+    /// Distance, or how far the ray goes.
+    limit: f32,
+    /// Lane of the leaves, counted through.
+    lane: Option<usize>,
+}
+
 impl Stack {
     #[inline(always)]
     fn push(&mut self, entry: Entry) {
@@ -78,6 +87,17 @@ impl Stack {
     fn pop(&mut self) -> Option<Entry> {
         self.used = self.used.checked_sub(1)?;
         Some(self.entries[self.used])
+    }
+
+    /// The next part that is not farther than `limit`.
+    #[inline(always)]
+    fn pop_within(&mut self, limit: f32) -> Option<Link> {
+        loop {
+            let entry = self.pop()?;
+            if entry.near <= limit {
+                return Some(entry.link);
+            }
+        }
     }
 }
 
@@ -125,39 +145,85 @@ impl Bvh {
         limit: f32,
     ) -> Option<Hit> {
         let ray = Ray::new(origin, direction);
-        let mut limit = limit;
-        let mut best: Option<usize> = None;
+        let mut nearest = Nearest { limit, lane: None };
         stack.used = 0;
         let mut next = self.tree.root();
         while let Some(link) = next {
             next = match link.leaf() {
-                None => self.tree.nodes[link.node()].visit(simd, &ray, limit, stack),
+                None => self.tree.nodes[link.node()].visit(simd, &ray, nearest.limit, stack),
                 Some(index) => {
-                    let distances = self.leaves[index].intersect(simd, &ray);
-                    for (lane, &t) in distances.iter().enumerate() {
-                        let id = index * LANES + lane;
-                        // Misses are infinite.
-                        let first =
-                            |best: Option<usize>| best.is_none_or(|b| self.places[id] < self.places[b]);
-                        if t < limit || (t == limit && t < f32::INFINITY && first(best)) {
-                            (best, limit) = (Some(id), t);
-                        }
+                    self.meet(simd, index, &ray, &mut nearest);
+                    None
+                }
+            };
+            next = next.or_else(|| stack.pop_within(nearest.limit));
+        }
+        self.hit(&ray, nearest)
+    }
+
+    /// [`Bvh::first_hit`] of several rays: of those from one point in the fewer steps, the less they spread.
+    #[inline(always)]
+    pub(super) fn first_hits<S: Simd, const N: usize>(
+        &self,
+        simd: S,
+        stack: &mut Stack,
+        origins: &[Vec3; N],
+        directions: &[Vec3; N],
+    ) -> [Option<Hit>; N] {
+        let mut hits = [None; N];
+        let mut rays = [Ray::new(Vec3::ZERO, Vec3::Z); N];
+        for i in 0..N {
+            rays[i] = Ray::new(origins[i], directions[i]);
+        }
+        let Some(beam) = Beam::new(&rays) else {
+            for i in 0..N {
+                hits[i] = self.first_hit(simd, stack, origins[i], directions[i], f32::INFINITY);
+            }
+            return hits;
+        };
+        let mut nearest = [Nearest { limit: f32::INFINITY, lane: None }; N];
+        // Of the ray that sees the farthest.
+        let mut limit = f32::INFINITY;
+        stack.used = 0;
+        let mut next = self.tree.root();
+        while let Some(link) = next {
+            next = match link.leaf() {
+                None => self.tree.nodes[link.node()].visit_beam(simd, &beam, limit, stack),
+                Some(index) => {
+                    limit = 0.0;
+                    for i in 0..N {
+                        self.meet(simd, index, &rays[i], &mut nearest[i]);
+                        limit = limit.max(nearest[i].limit);
                     }
                     None
                 }
             };
-            if next.is_none() {
-                next = loop {
-                    match stack.pop() {
-                        Some(entry) if entry.near <= limit => break Some(entry.link),
-                        Some(_) => {}
-                        None => break None,
-                    }
-                };
+            next = next.or_else(|| stack.pop_within(limit));
+        }
+        for i in 0..N {
+            hits[i] = self.hit(&rays[i], nearest[i]);
+        }
+        hits
+    }
+
+    /// Note what a ray meets in a leaf.
+    #[inline(always)]
+    fn meet<S: Simd>(&self, simd: S, index: usize, ray: &Ray, nearest: &mut Nearest) {
+        let distances = self.leaves[index].intersect(simd, ray);
+        for (lane, &t) in distances.iter().enumerate() {
+            let id = index * LANES + lane;
+            // Misses are infinite.
+            let first = |best: Option<usize>| best.is_none_or(|b| self.places[id] < self.places[b]);
+            if t < nearest.limit || (t == nearest.limit && t < f32::INFINITY && first(nearest.lane)) {
+                *nearest = Nearest { limit: t, lane: Some(id) };
             }
         }
-        let id = best?;
-        let (weights, normal) = self.leaves[id / LANES].look(id % LANES, &ray);
+    }
+
+    #[inline(always)]
+    fn hit(&self, ray: &Ray, Nearest { limit, lane }: Nearest) -> Option<Hit> {
+        let id = lane?;
+        let (weights, normal) = self.leaves[id / LANES].look(id % LANES, ray);
         Some(Hit { distance: limit, place: self.places[id], weights, normal })
     }
 

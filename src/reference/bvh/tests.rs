@@ -121,6 +121,43 @@ fn the_tree_finds_what_a_look_at_every_triangle_finds() {
     assert!(met > 500 && missed > 500 && certain > met * 9 / 10, "{met} {missed} {certain}");
 }
 
+/// Rays of a beam meet what each meets alone: from one point or several, narrow or not, to all sides.
+#[test]
+fn rays_together_meet_what_each_meets_alone() {
+    let mut random = Random(3);
+    let corners: Vec<[Vec3; 3]> = (0..400)
+        .map(|_| {
+            let at = random.vector();
+            [(); 3].map(|()| at + 0.2 * random.vector())
+        })
+        .collect();
+    let bvh = Bvh::new(&[object(&corners)]);
+    let (mut met, mut differ) = (0, 0);
+    for round in 0..2000 {
+        let origin = 2.0 * random.vector();
+        let origins = [(); 8].map(|()| if round % 10 == 0 { 2.0 * random.vector() } else { origin });
+        let spread = [0.0, 0.01, 0.2, 2.0][round % 4];
+        // Along an axis, too, so that rays of one beam have components of both signs, and zeros.
+        let main = if round % 7 == 0 { Vec3::NEG_X } else { random.vector() - origin };
+        let directions = [(); 8].map(|()| (main + spread * random.vector()).normalize());
+        let together = dispatch!(Level::new(), simd => {
+            bvh.first_hits(simd, &mut bvh.stack(), &origins, &directions)
+        });
+        let alone: Vec<_> =
+            (0..8).map(|i| first_hit(&bvh, origins[i], directions[i], f32::INFINITY)).collect();
+        let seen = |hit: &Option<Hit>| hit.map(|h| (h.place, h.distance.to_bits(), h.weights));
+        assert_eq!(together.iter().map(seen).collect::<Vec<_>>(), alone.iter().map(seen).collect::<Vec<_>>());
+        met += alone.iter().flatten().count();
+        differ += usize::from(alone.iter().any(|h| seen(h) != seen(&alone[0])));
+    }
+    assert!(met > 4000 && differ > 500, "{met} {differ}");
+    let nothing = Bvh::new(&[]);
+    let none = dispatch!(Level::new(), simd => {
+        nothing.first_hits(simd, &mut nothing.stack(), &[Vec3::ZERO; 8], &[Vec3::Z; 8])
+    });
+    assert!(none.iter().all(Option::is_none));
+}
+
 /// Coincident triangles are met in the order in which they are listed, wherever they are in the tree.
 #[test]
 fn of_two_triangles_at_one_distance_the_first_listed_is_met() {

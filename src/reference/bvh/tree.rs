@@ -17,6 +17,7 @@ const ROUNDING: f32 = 1.0 + 4.0 * f32::EPSILON;
 const LEAST: f32 = 1e-24;
 
 /// A ray, ready for boxes and triangles.
+#[derive(Clone, Copy)]
 pub(super) struct Ray {
     pub(super) origin: [f32; 3],
     pub(super) direction: [f32; 3],
@@ -52,6 +53,33 @@ impl Link {
     #[inline(always)]
     pub(super) fn node(self) -> usize {
         self.0 as usize
+    }
+}
+
+/// Rays from one point that go down the same axes, ready for boxes.
+pub(super) struct Beam {
+    origin: [f32; 3],
+    /// Least and greatest 1/direction of the rays.
+    inverse: [[f32; 3]; 2],
+    down: [bool; 3],
+}
+
+impl Beam {
+    /// `None` if the rays do not come from one point, or not go down the same axes.
+    #[inline(always)]
+    pub(super) fn new(rays: &[Ray]) -> Option<Self> {
+        let [first, others @ ..] = rays else { return None };
+        let mut inverse = [first.inverse; 2];
+        for ray in others {
+            if ray.origin != first.origin || ray.down != first.down {
+                return None;
+            }
+            for axis in 0..3 {
+                inverse[0][axis] = inverse[0][axis].min(ray.inverse[axis]);
+                inverse[1][axis] = inverse[1][axis].max(ray.inverse[axis]);
+            }
+        }
+        Some(Self { origin: first.origin, inverse, down: first.down })
     }
 }
 
@@ -91,8 +119,36 @@ impl Node {
             near = near.max((first - ray.origin[axis]) * ray.inverse[axis]);
             far = far.min((last - ray.origin[axis]) * ray.inverse[axis]);
         }
-        let mut met = near.simd_le(far * ROUNDING).to_bitmask();
-        let near: [f32; WIDTH] = near.into();
+        self.sort(near.simd_le(far * ROUNDING).to_bitmask(), near.into(), stack)
+    }
+
+    /// The nearest box that any ray of a beam may enter before `limit`.
+    #[inline(always)]
+    pub(super) fn visit_beam<S: Simd>(
+        &self,
+        simd: S,
+        beam: &Beam,
+        limit: f32,
+        stack: &mut Stack,
+    ) -> Option<Link> {
+        let mut near = f32x8::splat(simd, 0.0);
+        let mut far = f32x8::splat(simd, limit);
+        for axis in 0..3 {
+            let (first, last) = if beam.down[axis] { (axis + 3, axis) } else { (axis, axis + 3) };
+            let (first, last) = (self.sides[first].simd_into(simd), self.sides[last].simd_into(simd));
+            let [first, last]: [f32x8<S>; 2] = [first, last];
+            let (first, last) = (first - beam.origin[axis], last - beam.origin[axis]);
+            let [low, high] = beam.inverse.map(|inverse| inverse[axis]);
+            near = near.max((first * low).min(first * high));
+            far = far.min((last * low).max(last * high));
+        }
+        self.sort(near.simd_le(far * ROUNDING).to_bitmask(), near.into(), stack)
+    }
+
+    /// The nearest of the boxes that are met; the others are put on the stack, the nearer the higher.
+    #[inline(always)]
+    fn sort(&self, met: u64, near: [f32; WIDTH], stack: &mut Stack) -> Option<Link> {
+        let mut met = met;
         let mut take = || {
             let i = met.trailing_zeros() as usize;
             met &= met.wrapping_sub(1);
