@@ -2,11 +2,11 @@
 
 use std::ops::Range;
 
-use super::lattice::{Bands, Cells, Coords, Metric, Shear, perlin, simplex, value, worley};
+use super::lattice::{Bands, Cells, Coords, Metric, Perlin, PerlinRow, Shear, simplex, value, worley};
 use crate::base::{hash, num};
 use crate::multiversion;
 use crate::node::spec::OFFSETS;
-use crate::node::{Cx, InputSpec, Inputs, Operation, OutputSpec, Outputs, Spec};
+use crate::node::{Cx, InputSpec, Inputs, Operation, OutputSpec, Outputs, Prepared, Spec};
 
 /// The noise that is summed.
 #[derive(
@@ -82,9 +82,18 @@ const DU: usize = 1;
 /// Of Musgrave's feedback: the weight of an octave is the one before times this.
 const RIDGED_FEEDBACK: f32 = 2.0;
 
+/// The noise of one octave.
+#[derive(Debug)]
+enum Octave {
+    Value(Cells),
+    Perlin(Perlin),
+    Simplex(Cells, Shear),
+    WorleyF1(Cells),
+    WorleyEdge(Cells),
+}
+
 impl Fractal {
-    /// Cells and shear of every octave.
-    fn octaves(&self, seed: u32) -> Vec<(Cells, Shear)> {
+    fn octaves(&self, seed: u32) -> Vec<Octave> {
         // Lacunarity may be anything in a struct made by hand.
         let lacunarity = f64::from(self.lacunarity.max(1.0).min(4.0));
         let mut factor = 1.0f64;
@@ -95,30 +104,44 @@ impl Fractal {
                 let cells =
                     Cells::new(side(self.cells_u), side(self.cells_v), hash::hash1(seed, k)).out_of_phase();
                 factor *= lacunarity;
-                (cells, Shear::new(cells.v))
+                match self.basis {
+                    Basis::Value => Octave::Value(cells),
+                    Basis::Perlin => Octave::Perlin(Perlin::new(cells)),
+                    Basis::Simplex => Octave::Simplex(cells, Shear::new(cells.v)),
+                    Basis::WorleyF1 => Octave::WorleyF1(cells),
+                    Basis::WorleyEdge => Octave::WorleyEdge(cells),
+                }
             })
             .collect()
     }
+}
 
-    /// One octave's signed noise.
-    fn octave(&self, at: &Coords, (cells, shear): (Cells, Shear), out: &mut [f32]) {
+impl Octave {
+    /// Its signed noise.
+    fn sample(&self, at: &Coords, kept: &mut PerlinRow, out: &mut [f32]) {
         let mut bands = Bands { f1: &mut [], f2: &mut [], edge: &mut [], id: &mut [] };
-        match self.basis {
-            Basis::Value => value(at, cells, out),
-            Basis::Perlin => perlin(at, cells, out),
-            Basis::Simplex => simplex(at, cells, shear, out),
-            Basis::WorleyF1 => {
+        match self {
+            Self::Value(cells) => value(at, *cells, out),
+            Self::Perlin(noise) => noise.sample(at, kept, out),
+            Self::Simplex(cells, shear) => simplex(at, *cells, *shear, out),
+            Self::WorleyF1(cells) => {
                 bands.f1 = &mut *out;
-                worley(at.us(), at.vs(), cells, Metric::Euclidean, 1.0, &mut bands);
+                worley(at.us(), at.vs(), *cells, Metric::Euclidean, 1.0, &mut bands);
                 signed_distance(out);
             }
-            Basis::WorleyEdge => {
+            Self::WorleyEdge(cells) => {
                 bands.edge = &mut *out;
-                worley(at.us(), at.vs(), cells, Metric::Euclidean, 1.0, &mut bands);
+                worley(at.us(), at.vs(), *cells, Metric::Euclidean, 1.0, &mut bands);
                 signed_distance(out);
             }
         }
     }
+}
+
+/// Running sums of a row of texels whose gain differs.
+struct Sums {
+    amp: Vec<f32>,
+    total: Vec<f32>,
 }
 
 impl Operation for Fractal {
@@ -151,24 +174,47 @@ impl Operation for Fractal {
         0.5 + self.octaves as f32 * (octave + 0.4)
     }
 
+    fn prepare(&self, cx: &Cx<'_>) -> Option<Prepared> {
+        Some(Box::new(self.octaves(cx.seed)))
+    }
+
     fn eval(&self, cx: &Cx<'_>, rows: Range<i64>, ins: &Inputs<'_>, outs: &mut Outputs<'_>) {
-        let octaves = self.octaves(cx.seed);
+        let octaves: &Vec<Octave> = cx.prepared();
         let width = cx.domain.width;
         let mut at = Coords::new(width);
-        let (mut noise, mut amp, mut total, mut weight) =
-            (vec![0.0; width], vec![0.0; width], vec![0.0; width], vec![0.0; width]);
+        let mut kept: Vec<PerlinRow> = octaves.iter().map(|_| PerlinRow::default()).collect();
+        let (mut noise, mut weight) = (vec![0.0; width], vec![0.0; width]);
+        let gain = ins.constant(GAIN).map(num::saturate);
+        let mut sums = match gain {
+            Some(_) => Sums { amp: Vec::new(), total: Vec::new() },
+            None => Sums { amp: vec![0.0; width], total: vec![0.0; width] },
+        };
         for y in rows {
             at.set(&cx.domain, ins, DU, y);
-            let (gain, out) = (ins.row(GAIN, y), outs.only(y));
+            let out = outs.only(y);
             out.fill(0.0);
-            amp.fill(1.0);
-            total.fill(0.0);
             weight.fill(1.0);
-            for &octave in &octaves {
-                self.octave(&at, octave, &mut noise);
-                add(self.sum, &noise, gain, &mut amp, &mut total, &mut weight, out);
+            let (mut amp, mut total) = (1.0, 0.0);
+            sums.amp.fill(1.0);
+            sums.total.fill(0.0);
+            for (octave, kept) in octaves.iter().zip(&mut kept) {
+                octave.sample(&at, kept, &mut noise);
+                match gain {
+                    Some(gain) => {
+                        add(self.sum, &noise, amp, &mut weight, out);
+                        total += amp;
+                        amp *= gain;
+                    }
+                    None => {
+                        signal(self.sum, &mut noise, &mut weight);
+                        add_weighted(&noise, ins.row(GAIN, y), &mut sums.amp, &mut sums.total, out);
+                    }
+                }
             }
-            normalise(&total, out);
+            match gain {
+                Some(_) => divide(total, out),
+                None => divide_each(&sums.total, out),
+            }
         }
     }
 }
@@ -180,58 +226,86 @@ multiversion! {
     }
 }
 
+/// What an octave's noise adds, before its amplitude; `weight` is the ridges' feedback.
 #[inline(always)]
-fn add_octave(
-    noise: &[f32],
-    gain: &[f32],
-    amp: &mut [f32],
-    total: &mut [f32],
-    out: &mut [f32],
-    f: impl Fn(f32, usize) -> f32,
-) {
-    let n = out.len();
-    let (noise, gain, amp, total) = (&noise[..n], &gain[..n], &mut amp[..n], &mut total[..n]);
-    for i in 0..n {
-        out[i] += amp[i] * f(noise[i], i);
-        total[i] += amp[i];
-        amp[i] *= num::saturate(gain[i]);
+fn shaped<const SUM: u8>(n: f32, weight: &mut f32) -> f32 {
+    match SUM {
+        FBM => 0.5 + 0.5 * n,
+        TURBULENCE => n.abs(),
+        BILLOW => n.abs() * (2.0 - n.abs()),
+        _ => {
+            let ridge = 1.0 - n.abs();
+            let signal = ridge * ridge * *weight;
+            *weight = num::saturate(signal * RIDGED_FEEDBACK);
+            signal
+        }
+    }
+}
+
+const FBM: u8 = Sum::Fbm as u8;
+const TURBULENCE: u8 = Sum::Turbulence as u8;
+const BILLOW: u8 = Sum::Billow as u8;
+const RIDGED: u8 = Sum::Ridged as u8;
+
+#[inline(always)]
+fn add_as<const SUM: u8>(noise: &[f32], amp: f32, weight: &mut [f32], out: &mut [f32]) {
+    for ((o, n), w) in out.iter_mut().zip(noise).zip(weight) {
+        *o += amp * shaped::<SUM>(*n, w);
     }
 }
 
 multiversion! {
-    /// Add one octave to the sum and step its amplitude.
-    fn add(
-        sum: Sum,
-        noise: &[f32],
-        gain: &[f32],
-        amp: &mut [f32],
-        total: &mut [f32],
-        weight: &mut [f32],
-        out: &mut [f32],
-    ) {
+    /// Add one octave to the sum.
+    fn add(sum: Sum, noise: &[f32], amp: f32, weight: &mut [f32], out: &mut [f32]) {
         match sum {
-            Sum::Fbm => add_octave(noise, gain, amp, total, out, |n, _| 0.5 + 0.5 * n),
-            Sum::Turbulence => add_octave(noise, gain, amp, total, out, |n, _| n.abs()),
-            Sum::Billow => add_octave(noise, gain, amp, total, out, |n, _| n.abs() * (2.0 - n.abs())),
-            Sum::Ridged => {
-                let n = out.len();
-                let (noise, gain) = (&noise[..n], &gain[..n]);
-                let (amp, total, weight) = (&mut amp[..n], &mut total[..n], &mut weight[..n]);
-                for i in 0..n {
-                    let ridge = 1.0 - noise[i].abs();
-                    let signal = ridge * ridge * weight[i];
-                    weight[i] = num::saturate(signal * RIDGED_FEEDBACK);
-                    out[i] += amp[i] * signal;
-                    total[i] += amp[i];
-                    amp[i] *= num::saturate(gain[i]);
-                }
-            }
+            Sum::Fbm => add_as::<FBM>(noise, amp, weight, out),
+            Sum::Turbulence => add_as::<TURBULENCE>(noise, amp, weight, out),
+            Sum::Billow => add_as::<BILLOW>(noise, amp, weight, out),
+            Sum::Ridged => add_as::<RIDGED>(noise, amp, weight, out),
+        }
+    }
+}
+
+#[inline(always)]
+fn signal_as<const SUM: u8>(noise: &mut [f32], weight: &mut [f32]) {
+    for (n, w) in noise.iter_mut().zip(weight) {
+        *n = shaped::<SUM>(*n, w);
+    }
+}
+
+multiversion! {
+    /// An octave's noise to what it adds, before its amplitude.
+    fn signal(sum: Sum, noise: &mut [f32], weight: &mut [f32]) {
+        match sum {
+            Sum::Fbm => signal_as::<FBM>(noise, weight),
+            Sum::Turbulence => signal_as::<TURBULENCE>(noise, weight),
+            Sum::Billow => signal_as::<BILLOW>(noise, weight),
+            Sum::Ridged => signal_as::<RIDGED>(noise, weight),
         }
     }
 }
 
 multiversion! {
-    fn normalise(total: &[f32], out: &mut [f32]) {
+    /// Add one octave to the sum and step its amplitude.
+    fn add_weighted(signal: &[f32], gain: &[f32], amp: &mut [f32], total: &mut [f32], out: &mut [f32]) {
+        let n = out.len();
+        let (signal, gain, amp, total) = (&signal[..n], &gain[..n], &mut amp[..n], &mut total[..n]);
+        for i in 0..n {
+            out[i] += amp[i] * signal[i];
+            total[i] += amp[i];
+            amp[i] *= num::saturate(gain[i]);
+        }
+    }
+}
+
+multiversion! {
+    fn divide(total: f32, out: &mut [f32]) {
+        for o in out { *o = num::saturate(*o / total); }
+    }
+}
+
+multiversion! {
+    fn divide_each(total: &[f32], out: &mut [f32]) {
         for (o, t) in out.iter_mut().zip(total) { *o = num::saturate(*o / *t); }
     }
 }

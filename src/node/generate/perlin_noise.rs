@@ -2,10 +2,10 @@
 
 use std::ops::Range;
 
-use super::lattice::{Cells, Coords, perlin};
+use super::lattice::{Cells, Coords, Perlin, PerlinRow};
 use super::to_unit;
 use crate::node::spec::OFFSETS;
-use crate::node::{Cx, Inputs, Operation, OutputSpec, Outputs, Spec};
+use crate::node::{Cx, Inputs, Operation, OutputSpec, Outputs, Prepared, Spec};
 
 /// Random hills and hollows of even size: Perlin's gradient noise (2002), `0.5 + 0.5 n`.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize, schemars::JsonSchema)]
@@ -43,13 +43,18 @@ impl Operation for PerlinNoise {
         2.0
     }
 
+    fn prepare(&self, cx: &Cx<'_>) -> Option<Prepared> {
+        Some(Box::new(Perlin::new(Cells::new(self.cells_u, self.cells_v, cx.seed))))
+    }
+
     fn eval(&self, cx: &Cx<'_>, rows: Range<i64>, ins: &Inputs<'_>, outs: &mut Outputs<'_>) {
-        let cells = Cells::new(self.cells_u, self.cells_v, cx.seed);
+        let noise: &Perlin = cx.prepared();
         let mut at = Coords::new(cx.domain.width);
+        let mut kept = PerlinRow::default();
         for y in rows {
             at.set(&cx.domain, ins, 0, y);
             let out = outs.only(y);
-            perlin(&at, cells, out);
+            noise.sample(&at, &mut kept, out);
             to_unit(out);
         }
     }

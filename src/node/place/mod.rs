@@ -4,8 +4,10 @@ mod flood_fill;
 mod flood_fill_gradient;
 mod flood_fill_random;
 mod scale_lattice;
+mod scale_lay;
 mod scale_paint;
 mod scale_table;
+mod scale_write;
 mod tile_sampler;
 
 use super::Op;

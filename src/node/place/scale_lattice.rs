@@ -2,8 +2,9 @@
 
 use std::ops::Range;
 
-use super::scale_paint::{self, Band};
+use super::scale_paint::{Band, paint};
 use super::scale_table::Table;
+use super::scale_write::write;
 use crate::base::Domain;
 use crate::node::{Category, Cx, Inputs, Operation, OutputSpec, Outputs, ParamError, Prepared, Spec};
 
@@ -246,8 +247,8 @@ impl Operation for ScaleLattice {
     fn eval(&self, cx: &Cx<'_>, rows: Range<i64>, _: &Inputs<'_>, outs: &mut Outputs<'_>) {
         let table: &Table = cx.prepared();
         let mut band = Band::new(&cx.domain, rows);
-        scale_paint::paint(table, &cx.domain, &mut band);
-        scale_paint::write(table, &cx.domain, &band, outs);
+        paint(table, &cx.domain, &mut band);
+        write(table, &cx.domain, &band, outs);
     }
 }
 

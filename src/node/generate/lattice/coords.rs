@@ -7,41 +7,46 @@ use crate::node::Inputs;
 /// Wrapped coordinates of one row of texels, moved by the inputs `du`, `dv`; reused from row to row.
 #[derive(Debug)]
 pub(in crate::node) struct Coords {
+    /// u of the columns, not moved.
+    columns: Vec<f32>,
     us: Vec<f32>,
     vs: Vec<f32>,
     row_v: Option<f32>,
-    filled_u: bool,
+    same_u: bool,
 }
 
 impl Coords {
     /// Room for rows of `width` texels.
     pub(in crate::node) fn new(width: usize) -> Self {
-        Self { us: vec![0.0; width], vs: vec![0.0; width], row_v: None, filled_u: false }
+        Self { columns: Vec::new(), us: vec![0.0; width], vs: vec![0.0; width], row_v: None, same_u: false }
     }
 
     /// The coordinates of row `y`, whose offsets are the inputs `du` and `du + 1`.
     pub(in crate::node) fn set(&mut self, domain: &Domain, ins: &Inputs<'_>, du: usize, y: i64) {
+        if self.columns.is_empty() {
+            self.columns = (0..self.us.len()).map(|x| domain.u(x)).collect();
+        }
         // A constant offset around the body is the same in every row.
-        if !self.filled_u {
-            for (x, u) in self.us.iter_mut().enumerate() {
-                *u = domain.u(x);
-            }
-            add_wrapped(ins.row(du, y), &mut self.us);
-            self.filled_u = ins.constant(du).is_some();
+        if !self.same_u {
+            moved(&self.columns, ins.row(du, y), &mut self.us);
+            self.same_u = ins.constant(du).is_some();
         }
         let v = domain.v(y);
         self.row_v = ins.constant(du + 1).map(|dv| num::fract(v + dv));
-        if let Some(v) = self.row_v {
-            self.vs.fill(v);
-        } else {
-            self.vs.fill(v);
-            add_wrapped(ins.row(du + 1, y), &mut self.vs);
+        match self.row_v {
+            Some(v) => self.vs.fill(v),
+            None => moved_from(v, ins.row(du + 1, y), &mut self.vs),
         }
     }
 
     /// u of every texel, in [0, 1].
     pub(in crate::node) fn us(&self) -> &[f32] {
         &self.us
+    }
+
+    /// Whether every row has the same `us`.
+    pub(in crate::node) fn same_u(&self) -> bool {
+        self.same_u
     }
 
     /// v of every texel, in [0, 1].
@@ -56,7 +61,13 @@ impl Coords {
 }
 
 multiversion! {
-    fn add_wrapped(offset: &[f32], at: &mut [f32]) {
-        for (a, o) in at.iter_mut().zip(offset) { *a = num::fract(*a + *o); }
+    fn moved(from: &[f32], by: &[f32], to: &mut [f32]) {
+        for ((t, f), b) in to.iter_mut().zip(from).zip(by) { *t = num::fract(*f + *b); }
+    }
+}
+
+multiversion! {
+    fn moved_from(from: f32, by: &[f32], to: &mut [f32]) {
+        for (t, b) in to.iter_mut().zip(by) { *t = num::fract(from + *b); }
     }
 }

@@ -4,17 +4,19 @@
 //! cells and hashes the cell's indices *modulo the counts*. So every kernel is periodic for any counts >= 1, and the
 //! same at any map size. Gradient and value kernels give signed noise in [-1, 1]; nodes show it as `0.5 + 0.5 n`.
 //!
-//! Gradient kernels are plain loops, which LLVM vectorises; [`worley()`] works on explicit lanes, because LLVM leaves
+//! Most kernels are plain loops, which LLVM vectorises; [`worley()`] works on explicit lanes, because LLVM leaves
 //! its search loop scalar.
 
 mod coords;
-mod gradient;
+mod perlin;
 mod simplex;
+mod square;
 mod worley;
 
 pub(in crate::node) use coords::Coords;
-pub(super) use gradient::{perlin, value, white};
+pub(super) use perlin::{Perlin, PerlinRow};
 pub(super) use simplex::{Shear, simplex};
+pub(super) use square::{value, white};
 pub use worley::Metric;
 pub(super) use worley::{Bands, worley};
 

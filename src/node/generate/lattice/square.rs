@@ -1,4 +1,4 @@
-//! Noise on the square lattice: value, Perlin's gradient noise, and white noise of cells.
+//! The square lattice, and noise of values on it: value noise, and white noise of cells.
 
 use super::{Cells, Coords, fade, floor, to_u32};
 use crate::base::{hash, num};
@@ -8,7 +8,7 @@ use crate::multiversion;
 ///
 /// `t` in [0, cells + 1]; `t == cells` is the lattice line 0 again.
 #[inline(always)]
-fn axis(t: f32, cells: u32) -> (u32, u32, f32) {
+pub(super) fn axis(t: f32, cells: u32) -> (u32, u32, f32) {
     let low = floor(t);
     let i = to_u32(low);
     let i0 = if i >= cells { i - cells } else { i };
@@ -20,7 +20,7 @@ fn axis(t: f32, cells: u32) -> (u32, u32, f32) {
 ///
 /// The row is hashed first, so that a row of texels with one `v` hashes it once.
 #[inline(always)]
-fn corners(seed: u32, (i0, i1): (u32, u32), (j0, j1): (u32, u32)) -> [u32; 4] {
+pub(super) fn corners(seed: u32, (i0, i1): (u32, u32), (j0, j1): (u32, u32)) -> [u32; 4] {
     [
         hash::hash2(seed, j0, i0),
         hash::hash2(seed, j0, i1),
@@ -30,31 +30,8 @@ fn corners(seed: u32, (i0, i1): (u32, u32), (j0, j1): (u32, u32)) -> [u32; 4] {
 }
 
 #[inline(always)]
-fn bilinear(f: [f32; 4], x: f32, y: f32) -> f32 {
+pub(super) fn bilinear(f: [f32; 4], x: f32, y: f32) -> f32 {
     num::lerp(num::lerp(f[0], f[1], x), num::lerp(f[2], f[3], x), y)
-}
-
-/// `x` with the sign flipped where the lowest bit of `bit` is set.
-#[inline(always)]
-fn flip(x: f32, bit: u32) -> f32 {
-    f32::from_bits(x.to_bits() ^ (bit << 31))
-}
-
-/// The dot product of the corner's gradient, one of (+-1, +-1), and the vector from the corner.
-#[inline(always)]
-fn slope(h: u32, x: f32, y: f32) -> f32 {
-    flip(x, h) + flip(y, h >> 1)
-}
-
-#[inline(always)]
-fn perlin_at(u: f32, v: f32, cells: Cells) -> f32 {
-    let (s, t) = cells.at(u, v);
-    let (i0, i1, x) = axis(s, cells.u);
-    let (j0, j1, y) = axis(t, cells.v);
-    let h = corners(cells.seed, (i0, i1), (j0, j1));
-    let g =
-        [slope(h[0], x, y), slope(h[1], x - 1.0, y), slope(h[2], x, y - 1.0), slope(h[3], x - 1.0, y - 1.0)];
-    bilinear(g, fade(x), fade(y))
 }
 
 #[inline(always)]
@@ -101,14 +78,6 @@ macro_rules! row_kernel {
             }
         }
     };
-}
-
-row_kernel! {
-    /// Perlin's gradient noise with the gradients (+-1, +-1) and the quintic fade: in [-1, 1], 0 at lattice points.
-    ///
-    /// Source: Ken Perlin, "Improving Noise" (2002), in two dimensions. The bound is attained: at a cell's centre
-    /// with all four gradients towards it.
-    perlin = perlin_at
 }
 
 row_kernel! {
