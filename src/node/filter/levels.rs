@@ -56,13 +56,33 @@ impl Operation for Levels {
 
     fn eval(&self, _: &Cx<'_>, rows: Range<i64>, ins: &Inputs<'_>, outs: &mut Outputs<'_>) {
         let linear = ins.constant(GAMMA) == Some(1.0);
+        let levels = [IN_LOW, IN_HIGH, OUT_LOW, OUT_HIGH].map(|level| ins.constant(level));
         for y in rows {
-            let (low, high) = (ins.row(IN_LOW, y), ins.row(IN_HIGH, y));
-            stretch(ins.row(IMAGE, y), low, high, outs.only(y));
+            let image = ins.row(IMAGE, y);
+            if let (true, [Some(in_low), Some(in_high), Some(out_low), Some(out_high)]) = (linear, levels) {
+                stretch_all(image, [in_low, in_high], [out_low, out_high], outs.only(y));
+                continue;
+            }
+            stretch(image, ins.row(IN_LOW, y), ins.row(IN_HIGH, y), outs.only(y));
             if !linear {
                 power(ins.row(GAMMA, y), outs.only(y));
             }
             rescale(ins.row(OUT_LOW, y), ins.row(OUT_HIGH, y), outs.only(y));
+        }
+    }
+}
+
+/// Between the output levels. Weighted so that both ends are exact and huge ends do not overflow.
+#[inline(always)]
+fn between(low: f32, high: f32, at: f32) -> f32 {
+    finite(low * (1.0 - at) + high * at)
+}
+
+multiversion! {
+    /// Levels that are the same everywhere, which is usual: one pass.
+    fn stretch_all(image: &[f32], from: [f32; 2], to: [f32; 2], out: &mut [f32]) {
+        for (o, x) in out.iter_mut().zip(image) {
+            *o = between(to[0], to[1], num::linear_step(from[0], from[1], *x));
         }
     }
 }
@@ -87,8 +107,7 @@ multiversion! {
 multiversion! {
     fn rescale(low: &[f32], high: &[f32], out: &mut [f32]) {
         for ((o, lo), hi) in out.iter_mut().zip(low).zip(high) {
-            // Weighted so that both ends are exact and huge ends do not overflow.
-            *o = finite(*lo * (1.0 - *o) + *hi * *o);
+            *o = between(*lo, *hi, *o);
         }
     }
 }

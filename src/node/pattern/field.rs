@@ -1,6 +1,7 @@
 //! A solved pattern on a grid of its own, sampled to the map.
 
 use crate::base::Domain;
+use crate::multiversion;
 use crate::node::generate::Coords;
 
 /// A solution on the torus, `width x height` values.
@@ -11,17 +12,20 @@ use crate::node::generate::Coords;
 pub(super) struct Field {
     pub(super) width: usize,
     pub(super) height: usize,
-    pub(super) values: Vec<f32>,
+    /// The values, the first columns and rows repeated past the last ones, so that taps need no wrapping.
+    padded: Vec<f32>,
 }
 
-/// Columns repeated on the right of a combined row, so that four taps need no wrapping.
-const PAD: usize = 4;
+/// Taps beside the first one.
+const PAD: usize = 3;
+/// Texels worked on at once.
+const LANES: usize = 16;
 
-/// Where a coordinate's four taps begin, less one period, and their weights.
+/// Where a coordinate's four taps begin, in [0, n), and their weights.
 #[inline(always)]
-fn taps(t: f32, n: usize) -> (usize, [f32; 4]) {
+fn taps(t: f32, n: f32) -> (f32, [f32; 4]) {
     // Sample i lies at (i + 0.5) / n; the first tap is one before the sample at or before t. One n keeps it positive.
-    let x = t * n as f32 + (n as f32 - 1.5);
+    let x = t * n + (n - 1.5);
     let low = x.floor();
     let f = x - low;
     let g = 1.0 - f;
@@ -33,43 +37,89 @@ fn taps(t: f32, n: usize) -> (usize, [f32; 4]) {
         (4.0 - 3.0 * g2 * (2.0 - g)) * sixth,
         f2 * f * sixth,
     ];
-    // t in [0, 1] gives -1.5 + n .. -1.5 + 2n; for n = 1 it may begin below 0.
-    (((low as i64).rem_euclid(n as i64)) as usize, weights)
+    // t in [0, 1] gives n - 2 to 2n - 1; for n = 1 it may begin below 0.
+    let low = if low >= n { low - n } else { low };
+    (if low < 0.0 { low + n } else { low }, weights)
+}
+
+/// The four values from `at` on.
+#[inline(always)]
+fn four(values: &[f32], at: usize) -> [f32; 4] {
+    match values[at..].first_chunk() {
+        Some(four) => *four,
+        None => [0.0; 4],
+    }
+}
+
+#[inline(always)]
+fn weighted(k: [f32; 4], v: [f32; 4]) -> f32 {
+    k[0] * v[0] + k[1] * v[1] + k[2] * v[2] + k[3] * v[3]
+}
+
+/// Where the taps of a block of texels begin along one axis, and their weights.
+#[inline(always)]
+fn block(ts: &[f32], n: usize) -> ([f32; LANES], [[f32; 4]; LANES]) {
+    let n = n as f32;
+    let (mut first, mut weights) = ([0.0; LANES], [[0.0; 4]; LANES]);
+    for (l, t) in ts.iter().take(LANES).enumerate() {
+        (first[l], weights[l]) = taps(*t, n);
+    }
+    (first, weights)
+}
+
+multiversion! {
+    /// Across a line of values with [`PAD`] repeated ones.
+    fn along(line: &[f32], us: &[f32], out: &mut [f32]) {
+        for (out, us) in out.chunks_mut(LANES).zip(us.chunks(LANES)) {
+            let (x, kx) = block(us, line.len() - PAD);
+            for (l, o) in out.iter_mut().enumerate() { *o = weighted(kx[l], four(line, x[l] as usize)); }
+        }
+    }
+}
+
+multiversion! {
+    fn anywhere(field: &Field, us: &[f32], vs: &[f32], out: &mut [f32]) {
+        let stride = field.width + PAD;
+        for ((out, us), vs) in out.chunks_mut(LANES).zip(us.chunks(LANES)).zip(vs.chunks(LANES)) {
+            let ((x, kx), (y, ky)) = (block(us, field.width), block(vs, field.height));
+            for (l, o) in out.iter_mut().enumerate() {
+                let at = y[l] as usize * stride + x[l] as usize;
+                let (a, b) = (four(&field.padded, at), four(&field.padded, at + stride));
+                let (c, d) = (four(&field.padded, at + 2 * stride), four(&field.padded, at + 3 * stride));
+                let mut column = [0.0; 4];
+                for i in 0..4 { column[i] = weighted(ky[l], [a[i], b[i], c[i], d[i]]); }
+                *o = weighted(kx[l], column);
+            }
+        }
+    }
 }
 
 impl Field {
+    pub(super) fn new(width: usize, height: usize, values: Vec<f32>) -> Self {
+        let padded = (0..height + PAD)
+            .flat_map(|y| (0..width + PAD).map(move |x| (y % height) * width + x % width))
+            .map(|i| values[i])
+            .collect();
+        Self { width, height, padded }
+    }
+
+    /// The values, row by row.
+    #[cfg(test)]
+    pub(super) fn values(&self) -> Vec<f32> {
+        let rows = self.padded.chunks_exact(self.width + PAD).take(self.height);
+        rows.flat_map(|row| &row[..self.width]).copied().collect()
+    }
+
     /// Write one row of the map; `line` is scratch that keeps its memory from row to row.
     pub(super) fn sample(&self, at: &Coords, line: &mut Vec<f32>, out: &mut [f32]) {
-        let (w, h) = (self.width, self.height);
-        let row = |y: usize| &self.values[(y % h) * w..(y % h) * w + w];
-        let across = |values: &dyn Fn(usize) -> f32, u: f32| {
-            let (x, k) = taps(u, w);
-            k[0] * values(x) + k[1] * values(x + 1) + k[2] * values(x + 2) + k[3] * values(x + 3)
-        };
-        if let Some(v) = at.row_v() {
-            let (y, k) = taps(v, h);
-            let rows = [row(y), row(y + 1), row(y + 2), row(y + 3)];
-            line.clear();
-            line.extend(
-                (0..w).map(|x| k[0] * rows[0][x] + k[1] * rows[1][x] + k[2] * rows[2][x] + k[3] * rows[3][x]),
-            );
-            for x in 0..PAD {
-                line.push(line[x % w]);
-            }
-            for (o, u) in out.iter_mut().zip(at.us()) {
-                *o = across(&|x| line[x], *u);
-            }
-        } else {
-            for ((o, u), v) in out.iter_mut().zip(at.us()).zip(at.vs()) {
-                let (y, k) = taps(*v, h);
-                let rows = [row(y), row(y + 1), row(y + 2), row(y + 3)];
-                let column = |x: usize| {
-                    let x = x % w;
-                    k[0] * rows[0][x] + k[1] * rows[1][x] + k[2] * rows[2][x] + k[3] * rows[3][x]
-                };
-                *o = across(&column, *u);
-            }
-        }
+        let Some(v) = at.row_v() else { return anywhere(self, at.us(), at.vs(), out) };
+        let stride = self.width + PAD;
+        let (y, k) = taps(v, self.height as f32);
+        let row = |i: usize| &self.padded[(y as usize + i) * stride..][..stride];
+        let rows = [row(0), row(1), row(2), row(3)];
+        line.clear();
+        line.extend((0..stride).map(|x| weighted(k, rows.map(|row| row[x]))));
+        along(line, at.us(), out);
     }
 }
 
@@ -119,14 +169,14 @@ mod tests {
         let domain = Domain::square(40);
         let dv = vec![0.0; 40];
         for (w, h) in [(1, 1), (2, 3), (5, 4)] {
-            let field = Field { width: w, height: h, values: vec![0.25; w * h] };
+            let field = Field::new(w, h, vec![0.25; w * h]);
             for v in sample(&field, &domain, 7, 0.3, &dv) {
                 assert!((v - 0.25).abs() < 1e-6);
             }
         }
         // B-splines reproduce straight lines: sample i of 20 lies at (i + 0.5) / 20.
         let values = (0..20 * 20).map(|i| (i % 20) as f32).collect();
-        let field = Field { width: 20, height: 20, values };
+        let field = Field::new(20, 20, values);
         let out = sample(&field, &domain, 7, 0.0, &dv);
         for x in 4..36 {
             assert!((out[x] - (domain.u(x) * 20.0 - 0.5)).abs() < 1e-4, "{x}: {}", out[x]);
@@ -137,7 +187,7 @@ mod tests {
     fn a_map_of_offsets_and_a_constant_give_the_same_bits() {
         let domain = Domain::square(33);
         let values = (0..7 * 5).map(|i| (i * i % 11) as f32).collect();
-        let field = Field { width: 7, height: 5, values };
+        let field = Field::new(7, 5, values);
         let map = sample(&field, &domain, 3, 0.2, &[-0.4; 33]);
         let (du, dv) = (vec![0.2; 33], vec![-0.4; 33]);
         let lanes = [Rows::broadcast(&du), Rows::broadcast(&dv)];

@@ -343,7 +343,7 @@ impl Solver {
         for v in &mut values {
             *v = num::saturate((*v - lo) * scale);
         }
-        Field { width: self.width, height: self.height, values }
+        Field::new(self.width, self.height, values)
     }
 }
 

@@ -286,7 +286,7 @@ fn solve(width: usize, height: usize, weight: f32, near: f32, far: f32, seed: u3
 }
 
 fn field(width: usize, height: usize, on: &[bool]) -> Field {
-    Field { width, height, values: on.iter().map(|&b| f32::from(u8::from(b))).collect() }
+    Field::new(width, height, on.iter().map(|&b| f32::from(u8::from(b))).collect())
 }
 
 #[cfg(test)]
@@ -294,16 +294,16 @@ mod tests {
     use super::*;
 
     fn share(field: &Field) -> f64 {
-        field.values.iter().map(|&v| f64::from(v)).sum::<f64>() / field.values.len() as f64
+        crate::base::num::mean(&field.values())
     }
 
     /// Steps between on and off, around and along the body.
     fn outlines(f: &Field) -> (usize, usize) {
-        let (w, h) = (f.width, f.height);
+        let (w, h, values) = (f.width, f.height, f.values());
         let mut n = (0, 0);
         for y in 0..h {
             for x in 0..w {
-                let at = |x: usize, y: usize| f.values[(y % h) * w + x % w] > 0.5;
+                let at = |x: usize, y: usize| values[(y % h) * w + x % w] > 0.5;
                 n.0 += usize::from(at(x, y) != at(x + 1, y));
                 n.1 += usize::from(at(x, y) != at(x, y + 1));
             }

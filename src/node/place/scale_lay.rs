@@ -117,7 +117,7 @@ fn roof(pen: &Pen, x: f32, y: f32) -> f32 {
 #[inline(always)]
 fn lay<const FORM: u8>(pen: &Pen, run: &Run, band: &mut Band) {
     let pen = *pen;
-    let chunks = run.len.div_ceil(LANES);
+    let (len, chunks) = (run.len as i32, run.len.div_ceil(LANES));
     for row in run.rows[0]..run.rows[1] {
         let y_mm = (row as f32 + 0.5) * run.texel_v - run.y_mm;
         let start = (row - band.rows.start) as usize * band.stride + run.column;
@@ -131,12 +131,12 @@ fn lay<const FORM: u8>(pen: &Pen, run: &Run, band: &mut Band) {
             let (mut x, mut y, mut d) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
             let mut any_inside = false;
             for l in 0..LANES {
-                let i = c * LANES + l;
+                let i = (c * LANES + l) as i32;
                 let dx = run.x_mm + i as f32 * pen.step_mm;
                 (x[l], y[l]) = sdf::turn(dx, y_mm, pen.cos, pen.sin);
                 let out = distance::<FORM>(&pen, x[l], y[l]);
                 // Texels past the run are infinitely far away: nothing of them changes.
-                d[l] = if i < run.len { out } else { f32::INFINITY };
+                d[l] = if i < len { out } else { f32::INFINITY };
                 any_inside |= d[l] < 0.0;
             }
             for l in 0..LANES {

@@ -7,6 +7,7 @@ use super::scale_table::{Scale, Table};
 use crate::base::{Domain, num, sdf};
 use crate::multiversion;
 use crate::node::Outputs;
+use crate::node::generate::columns;
 
 /// One row of each output that a scale tells: [`port::S`] and what follows. It runs over by less than [`LANES`].
 struct Line {
@@ -30,10 +31,8 @@ struct Run<'a> {
 pub(super) fn write(table: &Table, domain: &Domain, band: &Band, outs: &mut Outputs<'_>) {
     let wanted: Vec<usize> = (port::S..port::COUNT).filter(|&output| outs.wants(output)).collect();
     let wants_local = wanted.iter().any(|&output| output <= port::DV);
-    let mut line = Line {
-        values: std::array::from_fn(|_| vec![0.0; band.stride]),
-        us: (0..band.stride).map(|x| domain.u(x)).collect(),
-    };
+    let mut line =
+        Line { values: std::array::from_fn(|_| vec![0.0; band.stride]), us: columns(domain, band.stride) };
     for y in band.rows.clone() {
         let span = band.row(y);
         let top = &band.top[span.clone()];

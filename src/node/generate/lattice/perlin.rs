@@ -48,8 +48,8 @@ impl Perlin {
         let cells = self.cells;
         let (columns, rows) = (cells.u as usize, cells.v as usize);
         match at.row_v() {
-            // With more cells than this, texels are hashed as fast as cells.
-            Some(v) if at.same_u() && columns <= out.len() / 2 => {
+            // With more cells than texels, texels are hashed faster than cells.
+            Some(v) if at.same_u() && columns <= out.len() => {
                 let (_, t) = cells.at(0.0, v);
                 let (row, _, y) = axis(t, cells.v);
                 kept.set(at, cells, row);

@@ -5,7 +5,7 @@ use super::*;
 /// Share of the field above one half, and the number of connected marks on the torus.
 fn marks(field: &Field) -> (f64, usize) {
     let (w, h) = (field.width, field.height);
-    let on: Vec<bool> = field.values.iter().map(|&v| v > 0.5).collect();
+    let on: Vec<bool> = field.values().iter().map(|&v| v > 0.5).collect();
     let mut seen = vec![false; on.len()];
     let mut count = 0;
     for start in 0..on.len() {
@@ -39,8 +39,8 @@ fn solve(reaction: Reaction, texels: usize, seed: u32) -> Field {
 
 /// The period of a pattern of lines in all directions with this density of outlines (Buffon), texels.
 fn period(field: &Field) -> f64 {
-    let (w, h) = (field.width, field.height);
-    let on = |x: usize, y: usize| field.values[(y % h) * w + x % w] > 0.5;
+    let (w, h, values) = (field.width, field.height, field.values());
+    let on = |x: usize, y: usize| values[(y % h) * w + x % w] > 0.5;
     let mut crossings = 0;
     for y in 0..h {
         for x in 0..w {
@@ -156,7 +156,7 @@ fn no_rate_makes_it_leave_its_range() {
             let mut solver = Solver::new(w, h, feed, kill, 12.0);
             solver.seed(1, 12.0);
             solver.settle(500);
-            for v in solver.field().values.iter().chain(&solver.u).chain(&solver.v) {
+            for v in solver.field().values().iter().chain(&solver.u).chain(&solver.v) {
                 assert!((0.0..=1.0).contains(v), "{feed} {kill}: {v}");
             }
         }
