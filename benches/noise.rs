@@ -7,6 +7,7 @@ use std::hint::black_box;
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use noise::{MultiFractal, NoiseFn};
 use ophidian::base::Domain;
+use ophidian::base::simd::{self, Level};
 use ophidian::eval::run_node;
 use ophidian::node::generate::{
     Basis, BlueNoise, Fractal, Metric, PerlinNoise, SimplexNoise, Sum, ValueNoise, WhiteNoise, Worley,
@@ -82,5 +83,27 @@ fn benches(c: &mut Criterion) {
     }
 }
 
-criterion_group!(noise_benches, benches);
+/// The goals of the kernels, at each SIMD level that this machine has: `cargo bench --bench noise -- simd`.
+fn levels(c: &mut Criterion) {
+    const SIZE: usize = 2048;
+    let mut group = c.benchmark_group("simd");
+    group.throughput(Throughput::Elements((SIZE * SIZE) as u64)).sample_size(10);
+    let (domain, assets) = (Domain::square(SIZE), Assets::new());
+    for (name, node) in ours() {
+        if !["perlin", "fbm_perlin", "fbm_simplex", "worley_euclidean"].contains(&name) {
+            continue;
+        }
+        for level in Level::ALL {
+            if simd::force(level) == level {
+                group.bench_function(BenchmarkId::new(name, level.name()), |b| {
+                    b.iter(|| run_node(black_box(&*node), &domain, 1, &[], &assets, 64));
+                });
+            }
+        }
+    }
+    simd::force(Level::Avx512);
+    group.finish();
+}
+
+criterion_group!(noise_benches, benches, levels);
 criterion_main!(noise_benches);

@@ -87,7 +87,7 @@ impl Series {
         let side = |side: u32| Side {
             marks: (0..count).map(|number| mark(side, number)).collect(),
             mirror: if side == 1 { -1.0 } else { 1.0 },
-            offset: marks.offset + stagger * side as f32,
+            offset: marks.offset.max(-1e3).min(1e3) + stagger * side as f32,
         };
         Self {
             count: count as f32,
