@@ -8,15 +8,15 @@ use std::time::Instant;
 
 use rayon::prelude::*;
 
-use super::args::{self, Format, Generate, MapsArg, NormalArg};
+use super::args::{self, CompressArg, ExrCompressArg, Format, Generate, MapsArg, NormalArg};
 use super::exit::{Exit, Failure};
 use super::load::Preset;
 use super::progress::Progress;
 use super::{memory, render, signal};
-use crate::base::{Domain, MapKind, num};
+use crate::base::{Domain, MapKind};
 use crate::eval::{self, Control};
 use crate::graph::{self, Graph};
-use crate::io::{ManifestEntry, Output, SetWriter, Staged, WriteOptions};
+use crate::io::{ExrCompression, ManifestEntry, Output, PngCompression, SetWriter, Staged, WriteOptions};
 use crate::maps::{MapImage, NormalFormat, SetId, assemble};
 use crate::plan::{Plan, PlanError};
 
@@ -133,6 +133,11 @@ fn write_options(args: &Generate) -> Result<WriteOptions, Failure> {
             })
             .collect(),
         names: args::names(args.name.as_deref(), several)?,
+        png: match args.compress {
+            CompressArg::Fast => PngCompression::Fast,
+            CompressArg::Balanced => PngCompression::Balanced,
+            CompressArg::Small => PngCompression::Small,
+        },
         verify: args.verify,
         ..WriteOptions::default()
     };
@@ -140,6 +145,11 @@ fn write_options(args: &Generate) -> Result<WriteOptions, Failure> {
         let help = "put {map} into it: {preset}_{map}.{ext}";
         return Err(Failure::usage("--name gives both normal maps the same file name", help));
     }
+    options.exr.compression = match args.exr_compress {
+        ExrCompressArg::Piz => ExrCompression::Piz,
+        ExrCompressArg::Zip => ExrCompression::Zip,
+        ExrCompressArg::None => ExrCompression::None,
+    };
     if let Some(depth) = &args.depth {
         options.encode.depths = depth.0.iter().copied().collect();
     }
@@ -195,33 +205,23 @@ impl Work<'_> {
         let evaluate_ms = ms(start);
         let start = Instant::now();
         let set = assemble(evaluation, id.clone());
-        if self.options.outputs.contains(&Output::Png) {
-            self.warn_of_clipping(set.maps.values());
-        }
         let files = self.write(writer, set.maps)?;
         Ok(Made { set: id, files, peak_bytes, evaluate_ms, write_ms: ms(start) })
     }
 
     /// Integers hold the map's range only: tell what lies outside of it.
-    fn warn_of_clipping<'m>(&self, maps: impl Iterator<Item = &'m MapImage>) {
-        for map in maps.filter(|m| m.kind != MapKind::ScaleId) {
-            let [low, high] = map.range;
-            let (least, most) = map
-                .planes
-                .iter()
-                .map(|p| num::min_max(p.data()))
-                .fold((f32::INFINITY, f32::NEG_INFINITY), |(a, b), (c, d)| (a.min(c), b.max(d)));
-            // Filters ring and rounding is rounding: a step of 8 bits is nothing to tell.
-            let slack = (high - low) / 256.0;
-            if least < low - slack || most > high + slack {
-                let kind = map.kind;
-                let unit = if kind.unit().is_empty() { String::new() } else { format!(" {}", kind.unit()) };
-                let message = format!(
-                    "{kind} goes from {least:.4} to {most:.4}{unit}, beyond its range {low} to {high}{unit}: it is cut off"
-                );
-                let help = format!("set [maps] {kind} = {{ from = \"…\", range = [low, high] }}");
-                self.progress.suspend(|| render::warning(&message, &help));
-            }
+    fn warn_of_clipping(&self, map: &MapImage, [least, most]: [f32; 2]) {
+        let [low, high] = map.range;
+        // Filters ring and rounding is rounding: a step of 8 bits is nothing to tell.
+        let slack = (high - low) / 256.0;
+        if map.kind != MapKind::ScaleId && (least < low - slack || most > high + slack) {
+            let kind = map.kind;
+            let unit = if kind.unit().is_empty() { String::new() } else { format!(" {}", kind.unit()) };
+            let message = format!(
+                "{kind} goes from {least:.4} to {most:.4}{unit}, beyond its range {low} to {high}{unit}: it is cut off"
+            );
+            let help = format!("set [maps] {kind} = {{ from = \"…\", range = [low, high] }}");
+            self.progress.suspend(|| render::warning(&message, &help));
         }
     }
 
@@ -247,8 +247,16 @@ impl Work<'_> {
             })
             .collect();
         let mut files = Vec::new();
-        for staged in staged {
-            files.extend(staged?);
+        let mut told = None;
+        for (map, staged) in images.iter().zip(staged) {
+            let staged = staged?;
+            let extremes = staged.iter().find_map(Staged::extremes);
+            // Both normals say the same.
+            if let Some(extremes) = extremes.filter(|_| told != Some(map.kind)) {
+                told = Some(map.kind);
+                self.warn_of_clipping(map, extremes);
+            }
+            files.extend(staged);
         }
         // Layers have one normal map: the first.
         let mut layers: Vec<&MapImage> = images.iter().collect();

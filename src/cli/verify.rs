@@ -11,8 +11,8 @@ use crate::base::{Domain, MapKind};
 use crate::eval::{self, Control};
 use crate::graph::{self, Graph};
 use crate::io::{
-    ExrSample, FileFormat, FileStatus, Manifest, ManifestEntry, Output, SampleKind, SetRecord, SetWriter,
-    WriteOptions, verify_dir,
+    Compression, ExrSample, FileFormat, FileStatus, Manifest, ManifestEntry, Output, SampleKind, SetRecord,
+    SetWriter, WriteOptions, verify_dir,
 };
 use crate::maps::{Depth, MapImage, NormalFormat, SetId, assemble};
 use crate::plan::Plan;
@@ -139,6 +139,11 @@ fn options_of(file: &ManifestEntry) -> WriteOptions {
         FileFormat::Exr => Output::Exr,
     };
     options.outputs = [output].into();
+    match file.compression {
+        Some(Compression::Png(compression)) => options.png = compression,
+        Some(Compression::Exr(compression)) => options.exr.compression = compression,
+        None => {}
+    }
     for map in &file.maps {
         match map.sample {
             SampleKind::U8 => drop(options.encode.depths.insert(map.map, Depth::Eight)),

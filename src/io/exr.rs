@@ -19,6 +19,7 @@ use ::exr::meta::{BlockDescription, attribute};
 use half::f16;
 use half::slice::HalfFloatSliceExt as _;
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use super::Problem;
 use crate::base::{MapKind, Plane};
@@ -45,7 +46,8 @@ impl ExrSample {
 }
 
 /// How blocks are compressed; all are lossless.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum ExrCompression {
     /// Wavelet and Huffman: best for images with grain.
     #[default]

@@ -12,7 +12,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::atomic::{Aside, hash};
-use super::{IoError, Problem, names};
+use super::{ExrCompression, IoError, PngCompression, Problem, names};
 use crate::base::MapKind;
 use crate::maps::{NormalFormat, QuantError, SetId};
 use crate::optics::SkinOptics;
@@ -71,6 +71,9 @@ pub struct ManifestEntry {
     pub bytes: u64,
     /// BLAKE3 of the file, hexadecimal.
     pub blake3: String,
+    /// How it is compressed; left out where it is the usual way: `fast` for PNG, `piz` for OpenEXR.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub compression: Option<Compression>,
     /// The maps it holds: one, unless it is a file of all maps.
     pub maps: Vec<MapRecord>,
 }
@@ -83,6 +86,28 @@ pub enum FileFormat {
     Png,
     /// OpenEXR, floats.
     Exr,
+}
+
+/// How a file is compressed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum Compression {
+    /// A PNG.
+    Png(PngCompression),
+    /// An OpenEXR file.
+    Exr(ExrCompression),
+}
+
+impl From<PngCompression> for Compression {
+    fn from(compression: PngCompression) -> Self {
+        Self::Png(compression)
+    }
+}
+
+impl From<ExrCompression> for Compression {
+    fn from(compression: ExrCompression) -> Self {
+        Self::Exr(compression)
+    }
 }
 
 /// One map in a file.
@@ -350,6 +375,7 @@ mod tests {
             format: FileFormat::Png,
             bytes: 3,
             blake3: blake3::hash(f.as_bytes()).to_hex().to_string(),
+            compression: None,
             maps: Vec::new(),
         };
         SetRecord { files: files.iter().map(file).collect(), ..SetRecord::new(&id) }

@@ -4,6 +4,7 @@
 //! | --- | --- |
 //! | [`write_set`], [`SetWriter`] | a set into a directory, at once or map by map |
 //! | [`WriteOptions`], [`NameTemplate`] | which files, how named, how encoded, whether read back |
+//! | [`PngCompression`], [`ExrCompression`] | time against size |
 //! | [`Manifest`], [`verify_dir`] | what a directory holds, and whether it still does |
 //! | [`read_set`] | a set of a directory, back as maps |
 //! | [`read_image`], [`load_assets`] | PNG, OpenEXR and Radiance HDR files as inputs |
@@ -30,11 +31,12 @@ pub use atomic::Aside;
 pub use error::{IoError, Problem};
 pub use exr::{ExrCompression, ExrOptions, ExrSample};
 pub use manifest::{
-    Encoding, FILE_NAME, FORMAT, FileCheck, FileFormat, FileStatus, Manifest, ManifestEntry, MapRecord,
-    SampleKind, SetRecord, VerifyReport, verify_dir,
+    Compression, Encoding, FILE_NAME, FORMAT, FileCheck, FileFormat, FileStatus, Manifest, ManifestEntry,
+    MapRecord, SampleKind, SetRecord, VerifyReport, verify_dir,
 };
 pub use names::{NameError, NameTemplate};
 pub use picture::{stage_channels, stage_picture, write_picture};
+pub use png::PngCompression;
 pub use read::{MAX_SAMPLES, load_assets, read_bytes, read_image};
 pub use sets::read_set;
 pub use write::{Output, SetWriter, Staged, WriteOptions, write_set, write_text};

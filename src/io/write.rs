@@ -8,11 +8,14 @@ use rayon::prelude::*;
 use super::atomic::{Aside, make_dir};
 use super::exr::channel_names;
 use super::manifest::{
-    self, Encoding, FileFormat, Manifest, ManifestEntry, MapRecord, SampleKind, SetRecord,
+    self, Compression, Encoding, FileFormat, Manifest, ManifestEntry, MapRecord, SampleKind, SetRecord,
 };
-use super::{ExrOptions, ExrSample, IoError, NameError, NameTemplate, Problem, exr, png};
+use super::{
+    ExrCompression, ExrOptions, ExrSample, IoError, NameError, NameTemplate, PngCompression, Problem, exr,
+    png,
+};
 use crate::base::MapKind;
-use crate::maps::{Depth, EncodeOptions, MapImage, Quantiser, SetId, TextureSet, quantisation_error};
+use crate::maps::{Depth, EncodeOptions, MapImage, MapTold, Quantiser, SetId, TextureSet};
 
 /// What files a set becomes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -34,6 +37,8 @@ pub struct WriteOptions {
     pub names: NameTemplate,
     /// Depth and dither of integers.
     pub encode: EncodeOptions,
+    /// Compression of PNG.
+    pub png: PngCompression,
     /// Samples and compression of OpenEXR.
     pub exr: ExrOptions,
     /// Decode every file and compare every sample before it is renamed.
@@ -46,6 +51,7 @@ impl Default for WriteOptions {
             outputs: [Output::Png].into(),
             names: NameTemplate::default(),
             encode: EncodeOptions::default(),
+            png: PngCompression::default(),
             exr: ExrOptions::default(),
             verify: false,
         }
@@ -57,12 +63,18 @@ impl Default for WriteOptions {
 pub struct Staged {
     aside: Aside,
     entry: ManifestEntry,
+    extremes: Option<[f32; 2]>,
 }
 
 impl Staged {
     /// What the manifest will say of it.
     pub fn entry(&self) -> &ManifestEntry {
         &self.entry
+    }
+
+    /// Least and greatest finite value of the map, in its unit; `None` of files of floats, which hold any.
+    pub fn extremes(&self) -> Option<[f32; 2]> {
+        self.extremes
     }
 }
 
@@ -161,35 +173,41 @@ impl<'a> SetWriter<'a> {
             .file_name(&self.set, map, extension(output))
             .map_err(|e| Problem::from(e).at(&self.dir))?;
         let path = self.dir.join(&file);
-        let aside = match output {
+        let mut told = None;
+        let mut aside = Aside::write(path, |out| match output {
             Output::Png => {
-                let aside = Aside::write(path, |out| png::write(maps[0], &options.encode, out))?;
-                if options.verify {
-                    aside.verify(|file| png::verify(maps[0], &options.encode, file))?
-                } else {
-                    aside
-                }
+                told = Some(png::write(maps[0], &options.encode, options.png, out)?);
+                Ok(())
             }
-            Output::Exr | Output::ExrLayers => {
-                let aside = Aside::write(path, |out| exr::write(maps, layered, &options.exr, out))?;
-                if options.verify {
-                    aside.verify(|file| exr::verify(maps, layered, &options.exr, file))?
-                } else {
-                    aside
-                }
-            }
-        };
+            Output::Exr | Output::ExrLayers => exr::write(maps, layered, &options.exr, out),
+        })?;
+        if options.verify {
+            aside = aside.verify(|file| match output {
+                Output::Png => png::verify(maps[0], &options.encode, file),
+                Output::Exr | Output::ExrLayers => exr::verify(maps, layered, &options.exr, file),
+            })?;
+        }
         let entry = ManifestEntry {
             file,
             format: if output == Output::Png { FileFormat::Png } else { FileFormat::Exr },
             bytes: aside.bytes,
             blake3: aside.blake3.to_hex().to_string(),
-            maps: maps.iter().map(|map| self.record(output, map)).collect(),
+            compression: self.compression(output),
+            maps: maps.iter().map(|map| self.record(output, map, told)).collect(),
         };
-        Ok(Staged { aside, entry })
+        Ok(Staged { aside, entry, extremes: told.map(|t| t.extremes) })
     }
 
-    fn record(&self, output: Output, map: &MapImage) -> MapRecord {
+    /// What the manifest says of the compression: nothing where it is the usual one.
+    fn compression(&self, output: Output) -> Option<Compression> {
+        match output {
+            Output::Png => (self.options.png != PngCompression::default()).then_some(self.options.png.into()),
+            _ => (self.options.exr.compression != ExrCompression::default())
+                .then_some(self.options.exr.compression.into()),
+        }
+    }
+
+    fn record(&self, output: Output, map: &MapImage, told: Option<MapTold>) -> MapRecord {
         let kind = map.kind;
         let (channels, sample, encoding, error) = if output == Output::Png {
             let channels = if kind.channels() == 3 { "RGB" } else { "Y" };
@@ -206,7 +224,7 @@ impl<'a> SetWriter<'a> {
                 _ => Encoding::Linear,
             };
             // Of ids only equality counts: an error in their unit would mean nothing.
-            let error = (kind != MapKind::ScaleId).then(|| quantisation_error(map, &self.options.encode));
+            let error = told.filter(|_| kind != MapKind::ScaleId).map(|told| told.error);
             (channels.chars().map(String::from).collect(), sample, encoding, error)
         } else {
             let sample = match self.options.exr.sample(kind) {

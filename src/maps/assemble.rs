@@ -7,7 +7,7 @@ use crate::eval::Evaluation;
 /// The set of an evaluation's maps, each with the range that its preset gives. Normals are OpenGL's.
 pub fn assemble(evaluation: Evaluation, set: SetId) -> TextureSet {
     let map = |(kind, planes): (MapKind, crate::eval::MapPlanes)| {
-        (kind, MapImage::new(kind, planes.planes).with_range(planes.range))
+        (kind, MapImage::in_range(kind, planes.planes, planes.range))
     };
     TextureSet {
         domain: set.domain,

@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use rayon::prelude::*;
 
 use super::MapImage;
-use crate::base::{MapKind, color, hash, num};
-use crate::multiversion;
+use super::samples::{self, RowError};
+use crate::base::{MapKind, hash};
 
 /// Bits of an integer sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -132,184 +132,122 @@ impl<'a> Quantiser<'a> {
 
     /// Row `y` as interleaved samples, big-endian where they have 16 bits, into `out` ([`Self::row_bytes`] long).
     ///
-    /// NaN becomes 0. `scratch` is kept between rows.
-    pub fn row(&self, y: usize, scratch: &mut Vec<u16>, out: &mut [u8]) {
-        let (width, channels) = (self.map.width(), self.map.planes.len());
+    /// NaN becomes 0. `codes` holds the samples channel by channel afterwards.
+    pub fn row(&self, y: usize, codes: &mut Vec<u16>, out: &mut [u8]) {
         debug_assert_eq!(out.len(), self.row_bytes());
-        scratch.resize(width, 0);
-        for (c, plane) in self.map.planes.iter().enumerate() {
-            self.codes(c, y, plane.row(y as i64), scratch);
-            match (self.depth, channels) {
-                (Depth::Eight, 1) => pack8(scratch, 0, out.as_chunks_mut::<1>().0),
-                (Depth::Eight, _) => pack8(scratch, c, out.as_chunks_mut::<3>().0),
-                (Depth::Sixteen, 1) => pack16(scratch, 0, out.as_chunks_mut::<2>().0),
-                (Depth::Sixteen, _) => pack16(scratch, c, out.as_chunks_mut::<6>().0),
-            }
-        }
-    }
-
-    /// The samples of one channel of row `y`.
-    fn codes(&self, channel: usize, y: usize, row: &[f32], out: &mut [u16]) {
-        let max = f32::from(self.depth.max());
-        let seed = hash::hash2(0x0d17_4e12, self.map.kind as u32, channel as u32);
-        match self.rule {
-            Rule::Srgb if self.dither => srgb_dithered(row, max, seed, y as u32, out),
-            Rule::Srgb => srgb(row, max, out),
-            Rule::Linear { offset, scale } if self.dither => {
-                linear_dithered(row, offset, scale, max, seed, y as u32, out);
-            }
-            Rule::Linear { offset, scale } => linear(row, offset, scale, max, out),
-            Rule::Id => {
-                for (o, &id) in out.iter_mut().zip(row) {
-                    // `as` saturates and takes NaN to 0; ids are whole numbers, exact in f32 below 2^24.
-                    *o = (id as u32 & 0xffff) as u16;
+        self.codes(y, codes);
+        let width = self.map.width();
+        match (self.depth, self.map.planes.len()) {
+            (Depth::Eight, 1) => samples::pack_grey8(codes, out),
+            (Depth::Sixteen, 1) => samples::pack_grey16(codes, out),
+            (depth, _) => {
+                let (r, gb) = codes.split_at(width);
+                let (g, b) = gb.split_at(width);
+                match depth {
+                    Depth::Eight => samples::pack_rgb8(r, g, b, out),
+                    Depth::Sixteen => samples::pack_rgb16(r, g, b, out),
                 }
             }
         }
     }
 
-    /// Largest and summed squared error of row `y`.
-    fn row_error(&self, y: usize) -> (f32, f64) {
-        let mut codes = vec![0; self.map.width()];
-        let (mut max, mut sum) = (0.0f32, 0.0f64);
-        for (c, plane) in self.map.planes.iter().enumerate() {
+    /// What is to be told of row `y`, from the codes that [`Self::row`] left.
+    pub fn told(&self, y: usize, codes: &[u16]) -> RowTold {
+        let mut told = RowTold { extremes: [f32::INFINITY, f32::NEG_INFINITY], ..RowTold::default() };
+        for (plane, codes) in self.map.planes.iter().zip(codes.chunks(self.map.width())) {
             let row = plane.row(y as i64);
-            self.codes(c, y, row, &mut codes);
-            let step = 1.0 / f32::from(self.depth.max());
-            let (m, s) = match self.rule {
-                Rule::Srgb => srgb_error(row, &codes, step),
-                Rule::Linear { offset, .. } => {
-                    linear_error(row, &codes, offset, (self.map.range[1] - offset) * step)
-                }
-                Rule::Id => linear_error(row, &codes, 0.0, 1.0),
-            };
-            max = max.max(m);
-            sum += s;
+            let (max, sum) = self.error(row, codes);
+            told.max = told.max.max(max);
+            told.sum += sum;
+            told.extremes = union(told.extremes, samples::extremes(row));
         }
-        (max, sum)
+        told
     }
+
+    /// The samples of row `y`, channel by channel.
+    fn codes(&self, y: usize, codes: &mut Vec<u16>) {
+        let width = self.map.width();
+        codes.resize(width * self.map.planes.len(), 0);
+        let max = f32::from(self.depth.max());
+        for (c, (plane, out)) in self.map.planes.iter().zip(codes.chunks_mut(width)).enumerate() {
+            let row = plane.row(y as i64);
+            let seed = hash::hash2(0x0d17_4e12, self.map.kind as u32, c as u32);
+            match self.rule {
+                Rule::Srgb if self.dither => samples::srgb_dithered(row, max, seed, y as u32, out),
+                Rule::Srgb => samples::srgb(row, max, out),
+                Rule::Linear { offset, scale } if self.dither => {
+                    samples::linear_dithered(row, offset, scale, max, seed, y as u32, out);
+                }
+                Rule::Linear { offset, scale } => samples::linear(row, offset, scale, max, out),
+                Rule::Id => samples::ids(row, out),
+            }
+        }
+    }
+
+    /// Largest and summed squared error of one channel of a row.
+    fn error(&self, row: &[f32], codes: &[u16]) -> RowError {
+        let step = 1.0 / f32::from(self.depth.max());
+        match self.rule {
+            Rule::Srgb => samples::srgb_error(row, codes, step),
+            Rule::Linear { offset, .. } => {
+                samples::linear_error(row, codes, offset, (self.map.range[1] - offset) * step)
+            }
+            Rule::Id => samples::linear_error(row, codes, 0.0, 1.0),
+        }
+    }
+}
+
+/// What encoding finds out about a row, in passing.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct RowTold {
+    /// Largest absolute error.
+    max: f32,
+    /// Sum of squared errors.
+    sum: f64,
+    /// Least and greatest finite value.
+    extremes: [f32; 2],
+}
+
+/// What encoding finds out about a map, in passing.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct MapTold {
+    /// The error that the samples carry.
+    pub error: QuantError,
+    /// Least and greatest finite value of all channels, in the map's unit; 0 and 0 where there is none.
+    pub extremes: [f32; 2],
+}
+
+impl MapTold {
+    /// Of all rows of a map, in order: the sum depends on it.
+    pub fn of_rows(map: &MapImage, rows: impl IntoIterator<Item = RowTold>) -> Self {
+        let start = RowTold { extremes: [f32::INFINITY, f32::NEG_INFINITY], ..RowTold::default() };
+        let all = rows.into_iter().fold(start, |all, row| RowTold {
+            max: all.max.max(row.max),
+            sum: all.sum + row.sum,
+            extremes: union(all.extremes, row.extremes),
+        });
+        let count = (map.width() * map.height() * map.planes.len()) as f64;
+        let [least, most] = all.extremes;
+        Self {
+            error: QuantError { max: all.max, rms: (all.sum / count).sqrt() as f32 },
+            extremes: if least <= most { all.extremes } else { [0.0; 2] },
+        }
+    }
+}
+
+fn union([a, b]: [f32; 2], [c, d]: [f32; 2]) -> [f32; 2] {
+    [a.min(c), b.max(d)]
 }
 
 /// The error that the samples of a map carry; rows in parallel, summed in order.
 pub fn quantisation_error(map: &MapImage, options: &EncodeOptions) -> QuantError {
     let quantiser = Quantiser::new(map, options);
-    let rows: Vec<_> = (0..map.height()).into_par_iter().map(|y| quantiser.row_error(y)).collect();
-    let count = (map.width() * map.height() * map.planes.len()) as f64;
-    let (max, sum) = rows.into_iter().fold((0.0f32, 0.0), |(m, s), (row_m, row_s)| (m.max(row_m), s + row_s));
-    QuantError { max, rms: (sum / count).sqrt() as f32 }
-}
-
-/// The nearest sample of `x` in [0, 1]; at 16 bits the f32 product is exact to 1/256 of a step.
-#[inline(always)]
-fn round(x: f32, max: f32) -> u16 {
-    (num::saturate(x) * max + 0.5) as i32 as u16
-}
-
-/// The sample below or above `x`, chosen so that the mean over texels is `x`; exact samples stay as they are.
-#[inline(always)]
-fn dithered(x: f32, max: f32, seed: u32, col: u32, row: u32) -> u16 {
-    // One step less than 1: 255 + 0.99999 must not round to 256 in f32.
-    let noise = hash::unit(hash::hash2(seed, col, row)) * 0.9999;
-    (num::saturate(x) * max + noise) as i32 as u16
-}
-
-multiversion! {
-    fn linear(row: &[f32], offset: f32, scale: f32, max: f32, out: &mut [u16]) {
-        for (o, v) in out.iter_mut().zip(row) {
-            *o = round((*v - offset) * scale, max);
-        }
-    }
-}
-
-multiversion! {
-    fn linear_dithered(row: &[f32], offset: f32, scale: f32, max: f32, seed: u32, y: u32, out: &mut [u16]) {
-        for (x, (o, v)) in out.iter_mut().zip(row).enumerate() {
-            *o = dithered((*v - offset) * scale, max, seed, x as u32, y);
-        }
-    }
-}
-
-multiversion! {
-    fn srgb(row: &[f32], max: f32, out: &mut [u16]) {
-        for (o, v) in out.iter_mut().zip(row) {
-            *o = round(color::linear_to_srgb(num::saturate(*v)), max);
-        }
-    }
-}
-
-multiversion! {
-    fn srgb_dithered(row: &[f32], max: f32, seed: u32, y: u32, out: &mut [u16]) {
-        for (x, (o, v)) in out.iter_mut().zip(row).enumerate() {
-            *o = dithered(color::linear_to_srgb(num::saturate(*v)), max, seed, x as u32, y);
-        }
-    }
-}
-
-/// Channel `c` of texels of `N` bytes.
-fn pack8<const N: usize>(codes: &[u16], c: usize, texels: &mut [[u8; N]]) {
-    for (texel, &code) in texels.iter_mut().zip(codes) {
-        texel[c] = code as u8;
-    }
-}
-
-/// Channel `c`, big-endian, of texels of `N` bytes.
-fn pack16<const N: usize>(codes: &[u16], c: usize, texels: &mut [[u8; N]]) {
-    for (texel, &code) in texels.iter_mut().zip(codes) {
-        texel[2 * c..2 * c + 2].copy_from_slice(&code.to_be_bytes());
-    }
-}
-
-/// Independent sums, so that they vectorise: float addition is not associative, the lanes fix its order.
-const LANES: usize = 16;
-
-multiversion! {
-    fn linear_error(row: &[f32], codes: &[u16], offset: f32, step: f32) -> (f32, f64) {
-        let (mut max, mut sum) = ([0.0f32; LANES], [0.0f32; LANES]);
-        let (rows, row_rest) = row.as_chunks::<LANES>();
-        let (all, codes_rest) = codes.as_chunks::<LANES>();
-        for (row, codes) in rows.iter().zip(all) {
-            for i in 0..LANES {
-                let (v, code) = (row[i], codes[i]);
-                let e = (v - (offset + f32::from(code) * step)).abs();
-                max[i] = max[i].max(e);
-                sum[i] += e * e;
-            }
-        }
-        for (i, (&v, &code)) in row_rest.iter().zip(codes_rest).enumerate() {
-            let e = (v - (offset + f32::from(code) * step)).abs();
-            max[i] = max[i].max(e);
-            sum[i] += e * e;
-        }
-        fold(&max, &sum)
-    }
-}
-
-multiversion! {
-    fn srgb_error(row: &[f32], codes: &[u16], step: f32) -> (f32, f64) {
-        let (mut max, mut sum) = ([0.0f32; LANES], [0.0f32; LANES]);
-        let (rows, row_rest) = row.as_chunks::<LANES>();
-        let (all, codes_rest) = codes.as_chunks::<LANES>();
-        for (row, codes) in rows.iter().zip(all) {
-            for i in 0..LANES {
-                let (v, code) = (row[i], codes[i]);
-                let e = (v - color::srgb_to_linear(f32::from(code) * step)).abs();
-                max[i] = max[i].max(e);
-                sum[i] += e * e;
-            }
-        }
-        for (i, (&v, &code)) in row_rest.iter().zip(codes_rest).enumerate() {
-            let e = (v - color::srgb_to_linear(f32::from(code) * step)).abs();
-            max[i] = max[i].max(e);
-            sum[i] += e * e;
-        }
-        fold(&max, &sum)
-    }
-}
-
-#[inline(always)]
-fn fold(max: &[f32; LANES], sum: &[f32; LANES]) -> (f32, f64) {
-    let m = max.iter().fold(0.0f32, |a, &b| a.max(b));
-    (m, sum.iter().map(|&s| f64::from(s)).sum())
+    let row = |codes: &mut Vec<u16>, y| {
+        quantiser.codes(y, codes);
+        quantiser.told(y, codes)
+    };
+    let rows: Vec<_> = (0..map.height()).into_par_iter().map_init(Vec::new, row).collect();
+    MapTold::of_rows(map, rows).error
 }
 
 #[cfg(test)]

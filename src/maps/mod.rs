@@ -6,6 +6,7 @@
 //! | [`assemble()`] | a set from an evaluation |
 //! | [`TextureSet`] | the maps of one preset and seed, all on one grid |
 //! | [`EncodeOptions`], [`Quantiser`] | depth, dither; rows of samples and the error that they carry |
+//! | [`RowTold`], [`MapTold`] | what encoding finds out in passing |
 //! | [`plane_hash`] | BLAKE3 of a map before any encoding: the golden value |
 //!
 //! No files here: the room compiles on every target.
@@ -13,13 +14,14 @@
 mod assemble;
 mod encode;
 mod hash;
+mod samples;
 
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
 pub use assemble::assemble;
-pub use encode::{Depth, EncodeOptions, QuantError, Quantiser, quantisation_error};
+pub use encode::{Depth, EncodeOptions, MapTold, QuantError, Quantiser, RowTold, quantisation_error};
 pub use hash::plane_hash;
 
 use crate::base::{Domain, MapKind, Plane};
@@ -68,20 +70,27 @@ impl MapImage {
     /// # Panics
     /// If the number of planes or their sizes do not fit: a broken invariant of the caller.
     pub fn new(kind: MapKind, planes: Vec<Plane>) -> Self {
-        assert_eq!(planes.len(), kind.channels(), "{kind} has the wrong number of planes");
-        let size = (planes[0].width(), planes[0].height());
-        assert!(
-            planes.iter().all(|p| (p.width(), p.height()) == size) && size.0 > 0 && size.1 > 0,
-            "{kind} has planes of unequal or empty size"
-        );
-        let (lo, hi) = crate::base::num::min_max(planes[0].data());
+        assert_planes(kind, &planes);
+        let extremes = || crate::base::num::min_max(planes[0].data());
         let range = match kind {
             MapKind::Normal => [-1.0, 1.0],
-            MapKind::Curvature => [-lo.abs().max(hi.abs()), lo.abs().max(hi.abs())],
-            MapKind::Height | MapKind::Iridescence => [lo, hi],
-            MapKind::ScaleId => [0.0, hi],
+            MapKind::Curvature => {
+                let (lo, hi) = extremes();
+                [-lo.abs().max(hi.abs()), lo.abs().max(hi.abs())]
+            }
+            MapKind::Height | MapKind::Iridescence => extremes().into(),
+            MapKind::ScaleId => [0.0, extremes().1],
             _ => [0.0, 1.0],
         };
+        Self::in_range(kind, planes, range)
+    }
+
+    /// A map over `planes`, in physical units, of which integers cover `range`.
+    ///
+    /// # Panics
+    /// As [`MapImage::new`].
+    pub fn in_range(kind: MapKind, planes: Vec<Plane>, range: [f32; 2]) -> Self {
+        assert_planes(kind, &planes);
         let normal_format = (kind == MapKind::Normal).then_some(NormalFormat::Gl);
         Self { kind, planes, range, normal_format }
     }
@@ -107,6 +116,16 @@ impl MapImage {
     pub fn height(&self) -> usize {
         self.planes[0].height()
     }
+}
+
+/// That the planes are those of one map of this kind.
+fn assert_planes(kind: MapKind, planes: &[Plane]) {
+    assert_eq!(planes.len(), kind.channels(), "{kind} has the wrong number of planes");
+    let size = (planes[0].width(), planes[0].height());
+    assert!(
+        planes.iter().all(|p| (p.width(), p.height()) == size) && size.0 > 0 && size.1 > 0,
+        "{kind} has planes of unequal or empty size"
+    );
 }
 
 /// Which set a map belongs to.

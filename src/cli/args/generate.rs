@@ -51,6 +51,12 @@ pub(in crate::cli) struct Generate {
     /// Bits of PNG samples, for all maps or by map: `16` or `color=16,normal=16`.
     #[arg(long, value_name = "BITS")]
     pub(in crate::cli) depth: Option<DepthArg>,
+    /// Time spent to make PNG files smaller.
+    #[arg(long, value_enum, default_value = "fast")]
+    pub(in crate::cli) compress: CompressArg,
+    /// Compression of OpenEXR files; all are lossless.
+    #[arg(long, value_enum, default_value = "piz")]
+    pub(in crate::cli) exr_compress: ExrCompressArg,
     /// Which way the green of normals points: OpenGL up, DirectX down, or a file of each.
     #[arg(long, value_enum, default_value = "gl")]
     pub(in crate::cli) normal: NormalArg,
@@ -145,6 +151,28 @@ pub(in crate::cli) enum Format {
     Exr,
     /// One OpenEXR file with a layer per map.
     ExrLayers,
+}
+
+/// Compression of PNG files.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(in crate::cli) enum CompressArg {
+    /// Huffman codes only.
+    Fast,
+    /// A quick search for repeats, too, where it helps.
+    Balanced,
+    /// A thorough search, behind several filters.
+    Small,
+}
+
+/// Compression of OpenEXR files.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(in crate::cli) enum ExrCompressArg {
+    /// Wavelets and Huffman codes: best for images with grain.
+    Piz,
+    /// Deflate, 16 lines a block.
+    Zip,
+    /// None.
+    None,
 }
 
 /// Which normal maps.

@@ -14,7 +14,9 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use super::exit::Exit;
 pub(super) use film::{Film, Precision};
-pub(super) use generate::{BytesArg, Format, Generate, MapsArg, NormalArg, names};
+pub(super) use generate::{
+    BytesArg, CompressArg, ExrCompressArg, Format, Generate, MapsArg, NormalArg, names,
+};
 #[cfg(feature = "preview")]
 pub(super) use preview::{BackendArg, Preview};
 pub(super) use render::{Render, StageArg, TransportArg};
