@@ -97,6 +97,13 @@ pub trait Operation:
     /// Estimated cost, ns per texel on one thread; shown by `ophidian graph`.
     fn cost_ns(&self) -> f32;
 
+    /// Bytes that evaluating `rows` rows takes beside inputs and outputs; the plan's peak counts them. A few rows'
+    /// worth need no mention.
+    fn own_bytes(&self, domain: &Domain, rows: usize) -> u64 {
+        let _ = (domain, rows);
+        0
+    }
+
     /// The input that the node passes on unchanged, if its settings make it do that: the planner removes it.
     fn forwards(&self) -> Option<usize> {
         None
@@ -130,6 +137,8 @@ pub trait Node: Debug + Send + Sync {
     fn reach(&self, domain: &Domain) -> Reach;
     /// See [`Operation::cost_ns`].
     fn cost_ns(&self) -> f32;
+    /// See [`Operation::own_bytes`].
+    fn own_bytes(&self, domain: &Domain, rows: usize) -> u64;
     /// See [`Operation::forwards`].
     fn forwards(&self) -> Option<usize>;
     /// See [`Operation::files`].
@@ -154,6 +163,9 @@ impl<T: Operation> Node for T {
     }
     fn cost_ns(&self) -> f32 {
         Operation::cost_ns(self)
+    }
+    fn own_bytes(&self, domain: &Domain, rows: usize) -> u64 {
+        Operation::own_bytes(self, domain, rows)
     }
     fn forwards(&self) -> Option<usize> {
         Operation::forwards(self)

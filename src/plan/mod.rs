@@ -111,7 +111,7 @@ pub struct Plan {
     pub homes: Vec<Home>,
     /// Wanted maps.
     pub maps: BTreeMap<MapKind, MapPlan>,
-    /// Greatest number of planes alive at once, times their size, plus scratch: bytes.
+    /// Greatest number of bytes that an evaluation on the current rayon pool holds: planes, and what its threads work in.
     pub peak_bytes: u64,
     /// Image files.
     pub assets: Assets,

@@ -32,7 +32,7 @@ pub(super) fn stage(lowered: Lowered, domain: Domain, assets: Assets) -> Plan {
         });
     }
     free_after_last_read(&steps, &maps, &homes, &stage_of, &mut stages);
-    let peak_bytes = peak_bytes(&steps, &homes, &stages, &domain);
+    let peak_bytes = peak_bytes(&steps, &maps, &homes, &stages, &domain);
     Plan { domain, steps, stages, homes, maps, peak_bytes, assets }
 }
 
@@ -42,10 +42,7 @@ fn band_rows(domain: &Domain, slots: usize) -> usize {
 }
 
 fn lanes_read(step: &Step) -> impl Iterator<Item = LaneId> + '_ {
-    step.passes.iter().flat_map(|p| &p.inputs).filter_map(|source| match source {
-        LaneSource::Lane(id) => Some(*id),
-        LaneSource::Const(_) => None,
-    })
+    step.passes.iter().flat_map(|p| &p.inputs).filter_map(lane_of)
 }
 
 fn lanes_written(step: &Step) -> impl Iterator<Item = LaneId> + '_ {
@@ -183,18 +180,48 @@ fn free_after_last_read(
     }
 }
 
-fn peak_bytes(steps: &[Step], homes: &[Home], stages: &[Stage], domain: &Domain) -> u64 {
+/// Greatest number of bytes held at once, as [`crate::eval::run`] takes them on the current rayon pool: planes are
+/// given back to it, not to the system.
+fn peak_bytes(
+    steps: &[Step],
+    maps: &std::collections::BTreeMap<crate::base::MapKind, MapPlan>,
+    homes: &[Home],
+    stages: &[Stage],
+    domain: &Domain,
+) -> u64 {
     let plane = 4 * domain.texels() as u64;
-    let (mut alive, mut peak) = (0u64, 0u64);
+    let written =
+        |s: usize| lanes_written(&steps[s]).filter(|&lane| homes[lane] == Home::Plane).count() as u64;
+    let own = |s: usize, rows: usize| steps[s].node.own_bytes(domain, rows);
+    let (mut alive, mut taken, mut peak) = (0u64, 0u64, 0u64);
     for stage in stages {
-        for &s in stage.whole.iter().chain(&stage.rows) {
-            alive += lanes_written(&steps[s]).filter(|&l| homes[l] == Home::Plane).count() as u64;
+        for &s in &stage.whole {
+            alive += written(s);
+            taken = taken.max(alive);
+            peak = peak.max(taken * plane + own(s, domain.height));
         }
-        // A whole-plane step may need as much again as it reads, for its own work.
-        let own = stage.whole.iter().map(|&s| 1 + lanes_read(&steps[s]).count() as u64).max().unwrap_or(0);
-        let scratch = (stage.scratch_slots * stage.band_rows * domain.width * 4) as u64;
-        peak = peak.max((alive + own) * plane + scratch);
+        alive += stage.rows.iter().map(|&s| written(s)).sum::<u64>();
+        taken = taken.max(alive);
+        // Every thread works on a band.
+        let band = (stage.scratch_slots * stage.band_rows * domain.width * 4) as u64
+            + stage.rows.iter().map(|&s| own(s, stage.band_rows)).max().unwrap_or(0);
+        let bands = domain.height.div_ceil(stage.band_rows).min(rayon::current_num_threads());
+        peak = peak.max(taken * plane + bands as u64 * band);
         alive -= stage.frees.len() as u64;
     }
-    peak
+    // At the end constants become planes, and a lane that two maps show becomes two.
+    let shown: Vec<LaneSource> = maps.values().flat_map(|map| map.lanes.iter().copied()).collect();
+    let mut lanes: Vec<LaneId> = shown.iter().filter_map(lane_of).collect();
+    let constants = shown.len() - lanes.len();
+    lanes.sort_unstable();
+    let all = lanes.len();
+    lanes.dedup();
+    peak.max((taken + (constants + all - lanes.len()) as u64) * plane)
+}
+
+fn lane_of(source: &LaneSource) -> Option<LaneId> {
+    match source {
+        LaneSource::Lane(id) => Some(*id),
+        LaneSource::Const(_) => None,
+    }
 }

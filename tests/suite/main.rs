@@ -10,6 +10,7 @@ mod film;
 mod golden;
 mod layers;
 mod made;
+mod memory;
 mod mutations;
 #[cfg(feature = "preview")]
 mod preview;

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::edt::signed_distance;
+use super::edt::{own_bytes, signed_distance};
 use crate::base::Domain;
 use crate::node::{Cx, InputSpec, Inputs, Operation, OutputSpec, Outputs, Reach, Spec};
 
@@ -36,6 +36,10 @@ impl Operation for Distance {
 
     fn cost_ns(&self) -> f32 {
         30.0
+    }
+
+    fn own_bytes(&self, domain: &Domain, _: usize) -> u64 {
+        own_bytes(domain)
     }
 
     fn eval(&self, cx: &Cx<'_>, _: Range<i64>, ins: &Inputs<'_>, outs: &mut Outputs<'_>) {

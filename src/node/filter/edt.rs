@@ -44,6 +44,11 @@ const LIMIT: f32 = 1e18;
 /// Half the length of the piece of outline that one seed stands for, in texels.
 const PIECE: f64 = 0.71;
 
+/// Bytes that [`signed_distance`] works in: a texel's excess over the level, whether it is a seed, and its offset.
+pub(super) fn own_bytes(domain: &Domain) -> u64 {
+    9 * domain.texels() as u64
+}
+
 /// Signed distance in mm, negative inside, of the mask `ins[mask] >= ins[level]`, for the whole plane.
 ///
 /// A mask without an outline is half the tile's diagonal away from it.

@@ -5,7 +5,7 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use super::distance::LEVEL_INPUT;
-use super::edt::{LengthUnit, signed_distance};
+use super::edt::{LengthUnit, own_bytes, signed_distance};
 use crate::base::{Domain, num};
 use crate::multiversion;
 use crate::node::{Cx, InputSpec, Inputs, Operation, OutputSpec, Outputs, Reach, Spec};
@@ -61,6 +61,10 @@ impl Operation for Dilate {
         31.0
     }
 
+    fn own_bytes(&self, domain: &Domain, _: usize) -> u64 {
+        own_bytes(domain)
+    }
+
     fn eval(&self, cx: &Cx<'_>, rows: Range<i64>, ins: &Inputs<'_>, outs: &mut Outputs<'_>) {
         moved(cx, rows, ins, outs, self.unit.mm(&cx.domain));
     }
@@ -80,6 +84,10 @@ impl Operation for Erode {
 
     fn cost_ns(&self) -> f32 {
         31.0
+    }
+
+    fn own_bytes(&self, domain: &Domain, _: usize) -> u64 {
+        own_bytes(domain)
     }
 
     fn eval(&self, cx: &Cx<'_>, rows: Range<i64>, ins: &Inputs<'_>, outs: &mut Outputs<'_>) {

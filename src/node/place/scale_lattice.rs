@@ -240,6 +240,10 @@ impl Operation for ScaleLattice {
         14.0 * (1.0 + self.overlap)
     }
 
+    fn own_bytes(&self, domain: &Domain, rows: usize) -> u64 {
+        Band::bytes(domain, rows)
+    }
+
     fn prepare(&self, cx: &Cx<'_>) -> Option<Prepared> {
         Some(Box::new(Table::new(self, &cx.domain, cx.seed)))
     }

@@ -48,8 +48,17 @@ pub(super) struct Band {
 }
 
 impl Band {
+    fn stride(domain: &Domain) -> usize {
+        domain.width.next_multiple_of(LANES) + LANES
+    }
+
+    /// Bytes of a band of `rows` rows.
+    pub(super) fn bytes(domain: &Domain, rows: usize) -> u64 {
+        (5 * 4 * Self::stride(domain) * rows) as u64
+    }
+
     pub(super) fn new(domain: &Domain, rows: Range<i64>) -> Self {
-        let stride = domain.width.next_multiple_of(LANES) + LANES;
+        let stride = Self::stride(domain);
         let texels = (rows.end - rows.start) as usize * stride;
         Self {
             rows,
