@@ -6,6 +6,7 @@ use wgpu::util::DeviceExt;
 use super::lamps::{Disc, Lamps, MOST_LAMPS};
 use super::program::Slot;
 use super::slots::{self, slots};
+use super::target::Shading;
 use super::{Gpu, PreviewError, target, textures};
 use crate::scene::{Environment, EnvironmentImage, Light, Scene};
 
@@ -30,7 +31,7 @@ pub(super) struct Background {
 }
 
 impl Background {
-    /// Of a scene; `frame` is the layout of bind group 0.
+    /// Of a scene; `frame` is the layout of bind group 0 and `shading` the target's.
     ///
     /// # Errors
     /// If the environment's picture is larger than the adapter holds.
@@ -39,6 +40,7 @@ impl Background {
         scene: &Scene,
         lamps: &Lamps,
         frame: &wgpu::BindGroupLayout,
+        shading: Shading,
         resources: &mut Vec<(String, u64)>,
     ) -> Result<Self, PreviewError> {
         let mut discs = lamps.discs.clone();
@@ -76,7 +78,7 @@ impl Background {
         let [frame_file, even, image, end, lamp] =
             slots!["frame", "surroundings_even", "surroundings_image", "background", "lamp"];
         let files = [frame_file, if picture.is_some() { image } else { even }, end];
-        let sky = pipeline(gpu, &files, ["behind", "look"], &[frame, &layout], None);
+        let sky = pipeline(gpu, &files, ["behind", "look"], &[frame, &layout], None, shading);
         let mut names: Vec<&'static str> = files.iter().map(|f| f.name).collect();
         let corners = corners(scene);
         let lamps = (!corners.is_empty()).then(|| {
@@ -93,7 +95,7 @@ impl Background {
                 contents: bytemuck::cast_slice(&corners),
                 usage: wgpu::BufferUsages::VERTEX,
             });
-            (pipeline(gpu, &files, ["place_lamp", "glow"], &[frame], Some(vertices)), buffer)
+            (pipeline(gpu, &files, ["place_lamp", "glow"], &[frame], Some(vertices), shading), buffer)
         });
         Ok(Self { sky, group, lamps, slots: names })
     }
@@ -142,7 +144,8 @@ fn picture(
         image.texels.iter().map(|t| [half(t[0]), half(t[1]), half(t[2]), half(1.0)]).collect();
     let bytes: &[u8] = bytemuck::cast_slice(&texels);
     resources.push(("environment".into(), bytes.len() as u64));
-    let texture = textures::upload(gpu, "environment", [image.width, image.height, 1], 1, bytes);
+    let texture =
+        textures::upload(gpu, "environment", textures::FOUR, [image.width, image.height, 1], 1, bytes);
     Ok(texture.create_view(&wgpu::TextureViewDescriptor::default()))
 }
 
@@ -152,6 +155,7 @@ fn pipeline(
     [vertex, fragment]: [&str; 2],
     groups: &[&wgpu::BindGroupLayout],
     vertices: Option<wgpu::VertexBufferLayout<'_>>,
+    shading: Shading,
 ) -> wgpu::RenderPipeline {
     let module = slots::module(gpu, "background", files);
     let groups: Vec<_> = groups.iter().map(|g| Some(*g)).collect();
@@ -178,7 +182,7 @@ fn pipeline(
         },
         primitive: wgpu::PrimitiveState { cull_mode, ..Default::default() },
         depth_stencil: Some(target::depth(compare, write)),
-        multisample: target::multisample(),
+        multisample: shading.multisample(),
         fragment: Some(wgpu::FragmentState {
             module: &module,
             entry_point: Some(fragment),

@@ -59,7 +59,8 @@ pub(super) fn layers(scene: &Scene) -> Option<Vec<f16>> {
 /// Layers on the device.
 pub(super) fn texture(gpu: &Gpu, texels: &[f16]) -> wgpu::TextureView {
     let bytes = bytemuck::cast_slice(texels.reinterpret_cast());
-    let texture = textures::upload(gpu, "environment by roughness", [SIDE, SIDE, LAYERS + 1], 1, bytes);
+    let texture =
+        textures::upload(gpu, "environment by roughness", textures::FOUR, [SIDE, SIDE, LAYERS + 1], 1, bytes);
     texture.create_view(&wgpu::TextureViewDescriptor {
         dimension: Some(wgpu::TextureViewDimension::D2Array),
         ..Default::default()

@@ -17,20 +17,20 @@ pub(super) struct FrameUniform {
     pub(super) sky_layers: f32,
     /// Direction of the middle of the picture.
     pub(super) forward: [f32; 3],
-    /// Lights.
-    pub(super) lamps: u32,
+    /// Lights far away.
+    pub(super) suns: u32,
     /// From the middle of the picture to its right edge, at distance 1.
     pub(super) right: [f32; 3],
     /// Suns that are discs.
     pub(super) discs: u32,
     /// From the middle of the picture to its upper edge, at distance 1.
     pub(super) up: [f32; 3],
-    /// To the next 16 bytes.
-    pub(super) padding: f32,
-    /// Radiance from everywhere, where the environment is even.
+    /// Lights nearby.
+    pub(super) rectangles: u32,
+    /// Mean radiance of the environment.
     pub(super) even: [f32; 3],
     /// To the next 16 bytes.
-    pub(super) padding_2: f32,
+    pub(super) padding: f32,
 }
 
 /// What is nearer than so much of the way to the target is not seen.

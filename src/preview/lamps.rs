@@ -3,47 +3,61 @@
 use std::f32::consts::PI;
 
 use bytemuck::{Pod, Zeroable};
-use glam::{Mat4, Vec2, Vec3};
+use glam::{Mat4, Vec2, Vec3, Vec4};
 
 use super::PreviewError;
 use crate::base::num;
 use crate::scene::{Light, Scene};
 
-/// Most lights.
+/// Most suns, and most rectangles.
 pub(super) const MOST_LAMPS: usize = 32;
-/// Most small lights that all of them become.
-pub(super) const MOST_SAMPLES: usize = 128;
+/// Most small lights that all rectangles become.
+pub(super) const MOST_PLACES: usize = 128;
 
-/// `Lamp` of lamps.wgsl.
+/// `Sun` of suns.wgsl.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub(super) struct Lamp {
-    /// Its first small light.
-    pub(super) first: u32,
-    /// How many it has.
-    pub(super) count: u32,
-    /// What the angle of each adds to alpha^2.
+pub(super) struct Sun {
+    /// Unit vector to it.
+    pub(super) direction: [f32; 3],
+    /// What its angle adds to alpha^2.
     pub(super) spread: f32,
-    /// To 16 bytes.
-    pub(super) padding: f32,
-}
-
-/// `Sample` of lamps.wgsl: a small light.
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
-pub(super) struct LampSample {
-    /// Unit vector to a sun (w = 0), or a place on a rectangle (w = 1).
-    pub(super) at: [f32; 4],
-    /// Irradiance, or radiance times area.
-    pub(super) light: [f32; 3],
-    /// Size of a texel of the shadow map, in scene units; per unit of distance for a rectangle.
+    /// On a surface that faces it.
+    pub(super) irradiance: [f32; 3],
+    /// Size of a texel of the shadow map, in scene units.
     pub(super) texel: f32,
-    /// Which way a rectangle shines.
-    pub(super) normal: [f32; 3],
-    /// To the next 16 bytes.
-    pub(super) padding: f32,
     /// World to the shadow map.
     pub(super) shadow: [[f32; 4]; 4],
+}
+
+/// `Rectangle` of rectangles.wgsl.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+pub(super) struct Rectangle {
+    /// Along a side.
+    pub(super) x: [f32; 3],
+    /// Its first small light.
+    pub(super) first: u32,
+    /// Along the next side.
+    pub(super) y: [f32; 3],
+    /// How many small lights it has.
+    pub(super) count: u32,
+    /// Which way it shines.
+    pub(super) z: [f32; 3],
+    /// What the angle of each adds to alpha^2.
+    pub(super) spread: f32,
+    /// Its middle.
+    pub(super) center: [f32; 3],
+    /// Size of a texel of a shadow map, in scene units at distance 1.
+    pub(super) texel: f32,
+    /// Radiance times area of each small light.
+    pub(super) light: [f32; 3],
+    /// Shadow maps across at distance 1.
+    pub(super) scale: f32,
+    /// Depth in shadow maps is `depth[0] + depth[1]/distance`.
+    pub(super) depth: [f32; 2],
+    /// To the next 16 bytes.
+    pub(super) padding: [f32; 2],
 }
 
 /// `Disc` of background.wgsl: a sun as the eye sees it.
@@ -63,17 +77,21 @@ pub(super) struct Disc {
 /// All lights of a scene.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Lamps {
-    /// Suns and rectangles.
-    pub(super) lamps: Vec<Lamp>,
-    /// What they become.
-    pub(super) samples: Vec<LampSample>,
+    /// Light from far away.
+    pub(super) suns: Vec<Sun>,
+    /// Light from nearby.
+    pub(super) rectangles: Vec<Rectangle>,
+    /// What rectangles become: their place on them, and the middle of the shadow map.
+    pub(super) places: Vec<[f32; 4]>,
+    /// World to the shadow map of each of these.
+    pub(super) seen: Vec<Mat4>,
     /// Suns that are discs.
     pub(super) discs: Vec<Disc>,
 }
 
 impl Lamps {
-    /// The lights of a scene; each rectangle becomes `per_rectangle` small ones, shadow maps have `shadow_size` texels a
-    /// side and hold what `casters` has.
+    /// The lights of a scene; each rectangle becomes `per_rectangle` small ones, shadow maps of suns and of rectangles have
+    /// so many texels a side and hold what `casters` has.
     ///
     /// # Errors
     /// If there are too many lights.
@@ -81,7 +99,7 @@ impl Lamps {
         scene: &Scene,
         casters: &Casters,
         per_rectangle: usize,
-        shadow_size: u32,
+        [sun_size, rectangle_size]: [u32; 2],
     ) -> Result<Self, PreviewError> {
         let most = |what, needed: usize, most: usize| {
             let too_large = PreviewError::TooLarge { what, needed: needed as u64, most: most as u64 };
@@ -89,62 +107,92 @@ impl Lamps {
         };
         most("the number of lights", scene.lights.len(), MOST_LAMPS)?;
         let mut all = Self::default();
-        let texels = shadow_size.max(1) as f32;
+        let [sun_texels, rectangle_texels] = [sun_size, rectangle_size].map(|size| size.max(1) as f32);
         for light in &scene.lights {
-            let first = all.samples.len() as u32;
-            let spread = match *light {
+            match *light {
                 Light::Directional { direction, irradiance, angular_radius_rad } => {
                     let (shadow, width) = casters.seen_from_afar(direction);
-                    all.samples.push(LampSample {
-                        at: direction.extend(0.0).to_array(),
-                        light: irradiance.0,
-                        texel: width / texels,
+                    all.suns.push(Sun {
+                        direction: direction.to_array(),
+                        // A disc of radius r has the variance r^2/4 along an axis, a quarter of that for the half vector,
+                        // and alpha^2 is twice the variance of slopes.
+                        spread: angular_radius_rad * angular_radius_rad / 8.0,
+                        irradiance: irradiance.0,
+                        texel: width / sun_texels,
                         shadow: shadow.to_cols_array_2d(),
-                        ..LampSample::default()
                     });
                     all.discs.extend(Disc::new(light));
-                    // A disc of radius r has the variance r^2/4 along an axis, a quarter of that for the half vector,
-                    // and alpha^2 is twice the variance of slopes.
-                    angular_radius_rad * angular_radius_rad / 8.0
                 }
                 Light::Area { center, u, v, radiance } => {
                     let count = per_rectangle.max(1);
-                    let normal = u.cross(v).normalize_or_zero();
                     let area = 4.0 * u.cross(v).length() / count as f32;
-                    for i in 0..count {
-                        let [x, y] = hammersley(i, count).map(|t| 2.0 * t - 1.0);
-                        let at = center + u * x + v * y;
-                        let (shadow, width) = casters.seen_from(at, normal);
-                        all.samples.push(LampSample {
-                            at: at.extend(1.0).to_array(),
-                            light: radiance.0.map(|r| r * area),
-                            texel: width / texels,
-                            normal: normal.to_array(),
-                            padding: 0.0,
-                            shadow: shadow.to_cols_array_2d(),
-                        });
-                    }
+                    let x = u.normalize_or(Vec3::X);
+                    let z = u.cross(v).normalize_or(Vec3::Z);
+                    let y = z.cross(x);
                     // As a disc of the same solid angle, as the scene sees it: r^2 = angle/pi.
                     let to = center - casters.middle();
-                    let cosine = -to.normalize_or_zero().dot(normal);
+                    let cosine = -to.normalize_or_zero().dot(z);
                     let angle = area * cosine.max(0.0) / to.length_squared().max(area);
-                    angle / (8.0 * PI)
+                    let first = all.places.len() as u32;
+                    let places: Vec<Vec2> = (0..count)
+                        .map(|i| {
+                            let [s, t] = hammersley(i, count).map(|t| 2.0 * t - 1.0);
+                            let at = u * s + v * t;
+                            Vec2::new(at.dot(x), at.dot(y))
+                        })
+                        .collect();
+                    let axes = Mat4::from_cols(x.extend(0.0), y.extend(0.0), z.extend(0.0), Vec4::W);
+                    let look = axes.transpose() * Mat4::from_translation(-center);
+                    let seen = casters.seen_from(&look, &places);
+                    all.places.extend(places.iter().zip(&seen.middles).map(|(place, middle)| {
+                        let [u, v] = (*middle * seen.scale).to_array();
+                        [place.x, place.y, 0.5 - u, 0.5 + v]
+                    }));
+                    all.seen.extend(places.iter().zip(&seen.middles).map(|(place, middle)| {
+                        let (s, m) = (2.0 * seen.scale, *middle);
+                        let project = Mat4::from_cols(
+                            Vec4::new(s, 0.0, 0.0, 0.0),
+                            Vec4::new(0.0, s, 0.0, 0.0),
+                            Vec4::new(-s * m.x, -s * m.y, seen.depth[0], 1.0),
+                            Vec4::new(0.0, 0.0, seen.depth[1], 0.0),
+                        );
+                        project * Mat4::from_translation(-place.extend(0.0)) * look
+                    }));
+                    all.rectangles.push(Rectangle {
+                        x: x.to_array(),
+                        first,
+                        y: y.to_array(),
+                        count: count as u32,
+                        z: z.to_array(),
+                        spread: angle / (8.0 * PI),
+                        center: center.to_array(),
+                        texel: 1.0 / (seen.scale * rectangle_texels),
+                        light: radiance.0.map(|r| r * area),
+                        scale: seen.scale,
+                        depth: seen.depth,
+                        padding: [0.0; 2],
+                    });
                 }
-            };
-            let count = all.samples.len() as u32 - first;
-            all.lamps.push(Lamp { first, count, spread, padding: 0.0 });
+            }
         }
-        most("the number of small lights that rectangles become", all.samples.len(), MOST_SAMPLES)?;
+        most("the number of small lights that rectangles become", all.places.len(), MOST_PLACES)?;
         Ok(all)
     }
 
-    /// The uniform block `Lamps` of lamps.wgsl.
-    pub(super) fn block(&self) -> Vec<u8> {
-        let mut lamps = self.lamps.clone();
-        lamps.resize(MOST_LAMPS, Lamp::default());
-        let mut samples = self.samples.clone();
-        samples.resize(MOST_SAMPLES, LampSample::default());
-        [bytemuck::cast_slice(&lamps), bytemuck::cast_slice(&samples)].concat()
+    /// The uniform block `suns` of suns.wgsl.
+    pub(super) fn sun_block(&self) -> Vec<u8> {
+        let mut suns = self.suns.clone();
+        suns.resize(MOST_LAMPS, Sun::default());
+        bytemuck::cast_slice(&suns).to_vec()
+    }
+
+    /// The uniform block `Rectangles` of rectangles.wgsl.
+    pub(super) fn rectangle_block(&self) -> Vec<u8> {
+        let mut rectangles = self.rectangles.clone();
+        rectangles.resize(MOST_LAMPS, Rectangle::default());
+        let mut places = self.places.clone();
+        places.resize(MOST_PLACES, [0.0; 4]);
+        [bytemuck::cast_slice(&rectangles), bytemuck::cast_slice(&places)].concat()
     }
 }
 
@@ -229,42 +277,46 @@ impl Casters {
         (scale * shift * look, width)
     }
 
-    /// World to the shadow map of a light at this place that shines along `normal`, which fits all of them if they are
-    /// before it; and the map's width in scene units at distance 1.
-    fn seen_from(&self, place: Vec3, normal: Vec3) -> (Mat4, f32) {
-        let forward =
-            (self.middle() - place).try_normalize().filter(|f| f.dot(normal) > 0.0).unwrap_or(normal);
-        let (right, up) = forward.any_orthonormal_pair();
-        let seen = |p: &Vec3| {
-            let to = *p - place;
-            let depth = to.dot(forward);
-            (Vec2::new(to.dot(right), to.dot(up)) / depth.max(1e-6), depth)
-        };
-        let start = (Vec2::INFINITY, Vec2::NEG_INFINITY, f32::INFINITY, 0.0_f32);
-        let (low, high, near, far) =
-            self.points.iter().map(seen).fold(start, |(low, high, near, far), (p, depth)| {
-                (low.min(p), high.max(p), near.min(depth), far.max(depth))
-            });
+    /// The shadow maps of small lights at these places of a rectangle, in whose axes `look` is; they fit all casters if
+    /// these are before it.
+    fn seen_from(&self, look: &Mat4, places: &[Vec2]) -> Seen {
+        let points: Vec<Vec3> = self.points.iter().map(|p| look.transform_point3(*p)).collect();
+        let (near, far) = points.iter().fold((f32::INFINITY, 0.0_f32), |(a, b), p| (a.min(p.z), b.max(p.z)));
         if far <= 0.0 {
-            return (Mat4::ZERO, 1.0);
+            // All middles are outside: nothing is in a shadow.
+            return Seen { scale: 1.0, depth: [0.0; 2], middles: vec![Vec2::splat(-9.0); places.len()] };
         }
-        // From among them a map sees this far to each side, and what is behind it casts nothing.
-        let (low, high) = (low.max(Vec2::splat(-4.0)), high.min(Vec2::splat(4.0)));
+        let windows: Vec<(Vec2, Vec2)> = places
+            .iter()
+            .map(|place| {
+                let start = (Vec2::INFINITY, Vec2::NEG_INFINITY);
+                let (low, high) = points.iter().fold(start, |(low, high), p| {
+                    let p = (p.truncate() - *place) / p.z.max(1e-6);
+                    (low.min(p), high.max(p))
+                });
+                // From among them a map sees this far to each side, and what is behind it casts nothing.
+                (low.max(Vec2::splat(-4.0)), high.min(Vec2::splat(4.0)))
+            })
+            .collect();
+        let width = windows.iter().fold(1e-6_f32, |w, (low, high)| w.max((*high - *low).max_element()));
         let (near, far) = (near.max(1e-3 * far) / EDGE, far * EDGE);
-        let middle = 0.5 * (low + high);
-        let width = (high - low).max_element().max(1e-6) * EDGE;
-        let look = Mat4::from_cols(right.extend(0.0), up.extend(0.0), forward.extend(0.0), glam::Vec4::W)
-            .transpose()
-            * Mat4::from_translation(-place);
-        let (s, depth) = (2.0 / width, far / (far - near));
-        let project = Mat4::from_cols(
-            glam::Vec4::new(s, 0.0, 0.0, 0.0),
-            glam::Vec4::new(0.0, s, 0.0, 0.0),
-            glam::Vec4::new(-s * middle.x, -s * middle.y, depth, 1.0),
-            glam::Vec4::new(0.0, 0.0, -depth * near, 0.0),
-        );
-        (project * look, width)
+        let depth = far / (far - near);
+        Seen {
+            scale: 1.0 / (width * EDGE),
+            depth: [depth, -depth * near],
+            middles: windows.iter().map(|(low, high)| 0.5 * (*low + *high)).collect(),
+        }
     }
+}
+
+/// Shadow maps that are as wide and as deep.
+struct Seen {
+    /// Maps across at distance 1.
+    scale: f32,
+    /// Depth is the first, and the second over the distance.
+    depth: [f32; 2],
+    /// What each one looks at, at distance 1.
+    middles: Vec<Vec2>,
 }
 
 /// Room around what a shadow map holds.
@@ -301,11 +353,16 @@ mod tests {
         let casters = Casters::new(&scene);
         assert_eq!(casters.objects, [0]);
         let to = Vec3::new(0.3, 0.8, -0.2).normalize();
-        let at = casters.middle() + to * 12.0;
-        for (map, distance) in [
-            (casters.seen_from_afar(to).0, &(|p: Vec3| -p.dot(to)) as &dyn Fn(Vec3) -> f32),
-            (casters.seen_from(at, -to).0, &|p: Vec3| (p - at).dot(-to)),
-        ] {
+        let center = casters.middle() + to * 12.0;
+        let (u, v) = to.any_orthonormal_pair();
+        let mut lit = scene.clone();
+        lit.lights = vec![Light::Area { center, u: v, v: u, radiance: LinearRgb([1.0; 3]) }];
+        let lamps = Lamps::new(&lit, &casters, 4, [64; 2]).expect("one light");
+        let far = |p: Vec3| -p.dot(to);
+        let afar = [(casters.seen_from_afar(to).0, &far as &dyn Fn(Vec3) -> f32)];
+        let near = |p: Vec3| (p - center).dot(-to);
+        let nearby = lamps.seen.iter().map(|map| (*map, &near as &dyn Fn(Vec3) -> f32));
+        for (map, distance) in afar.into_iter().chain(nearby) {
             let mut seen: Vec<(f32, f32)> = Vec::new();
             for p in &scene.objects[0].mesh.positions {
                 let c = map * p.extend(1.0);
@@ -325,15 +382,16 @@ mod tests {
         let (u, v) = (Vec3::X * 3.0, Vec3::Z * 2.0);
         let light = Light::Area { center: Vec3::Y * 8.0, u, v, radiance: LinearRgb([2.0; 3]) };
         scene.lights = vec![light];
-        let lamps = Lamps::new(&scene, &Casters::new(&scene), 16, 64).expect("one light");
-        assert_eq!((lamps.lamps[0].count, lamps.samples.len(), lamps.discs.len()), (16, 16, 0));
+        let lamps = Lamps::new(&scene, &Casters::new(&scene), 16, [64; 2]).expect("one light");
+        assert_eq!((lamps.rectangles[0].count, lamps.places.len(), lamps.discs.len()), (16, 16, 0));
+        let r = lamps.rectangles[0];
         let small: f32 = lamps
-            .samples
+            .places
             .iter()
-            .map(|s| {
-                let to = Vec3::from_slice(&s.at);
+            .map(|[x, y, ..]| {
+                let to = Vec3::from(r.center) + Vec3::from(r.x) * *x + Vec3::from(r.y) * *y;
                 let direction = to.normalize();
-                s.light[1] * direction.y * -direction.dot(Vec3::from(s.normal)) / to.length_squared()
+                r.light[1] * direction.y * -direction.dot(Vec3::from(r.z)) / to.length_squared()
             })
             .sum();
         let n = 64;
@@ -356,11 +414,11 @@ mod tests {
             angular_radius_rad: 0.01,
         };
         scene.lights = vec![sun; MOST_LAMPS + 1];
-        let error = Lamps::new(&scene, &Casters::new(&scene), 16, 64).expect_err("too many");
+        let error = Lamps::new(&scene, &Casters::new(&scene), 16, [64; 2]).expect_err("too many");
         assert_eq!(error.to_string(), "the number of lights needs 33, the adapter holds 32 at most");
         scene.lights.truncate(2);
-        let lamps = Lamps::new(&scene, &Casters::new(&scene), 16, 64).expect("two suns");
-        assert_eq!((lamps.samples.len(), lamps.discs.len()), (2, 2));
-        assert_eq!(lamps.block().len(), 32 * 16 + 128 * 112);
+        let lamps = Lamps::new(&scene, &Casters::new(&scene), 16, [64; 2]).expect("two suns");
+        assert_eq!((lamps.suns.len(), lamps.discs.len()), (2, 2));
+        assert_eq!((lamps.sun_block().len(), lamps.rectangle_block().len()), (32 * 96, 32 * 96 + 128 * 16));
     }
 }

@@ -17,7 +17,7 @@ pub(super) struct Vertex {
 }
 
 /// Its attributes.
-pub(super) const ATTRIBUTES: [wgpu::VertexAttribute; 4] =
+const ATTRIBUTES: [wgpu::VertexAttribute; 4] =
     wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3, 2 => Float32x4, 3 => Float32x2];
 
 /// How vertices lie in memory.
@@ -26,6 +26,10 @@ pub(super) const LAYOUT: wgpu::VertexBufferLayout<'static> = wgpu::VertexBufferL
     step_mode: wgpu::VertexStepMode::Vertex,
     attributes: &ATTRIBUTES,
 };
+
+/// Places alone.
+pub(super) const PLACES: wgpu::VertexBufferLayout<'static> =
+    wgpu::VertexBufferLayout { attributes: ATTRIBUTES.split_at(1).0, ..LAYOUT };
 
 /// A mesh on the device.
 #[derive(Debug)]

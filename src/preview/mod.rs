@@ -10,7 +10,8 @@
 //! | [`lobe`] | what gloss does to light from all around |
 //!
 //! A picture takes one pass: objects by the light of suns and rectangles, each small light with a shadow map drawn before
-//! the first picture, and by the environment filtered beforehand; then what is behind them. Light comes straight from its
+//! the first picture, and by the environment filtered beforehand; then what is behind them. Adapters that are programs
+//! take two: one that shades each pixel once, and one that smooths edges. Light comes straight from its
 //! source, and the environment's through everything: `Transport::Direct` of the path tracer.
 //!
 //! Nothing here panics over what a machine lacks: what cannot be done comes back as an error that names the number.
@@ -18,6 +19,7 @@
 mod background;
 pub mod binding;
 pub mod device;
+mod edges;
 mod environment;
 pub mod error;
 mod film_table;

@@ -9,8 +9,8 @@
 //! | film | `film_none` (a plain interface), or `film_series` with the next two |
 //! | its fringes | `fringes`, `fringes_filtered` |
 //! | beyond its critical angle | `beyond_none`, `beyond_frustrated` |
-//! | base | `base_none`, `base_matt` (no layers), or `base_layers` with the next four |
-//! | light from around | `base_lambert`, or `curve` with `base_wrapped` or `base_translucent` |
+//! | base | `base_none`, `base_matt` (no layers) with `cosine`, or `base_layers` with the next four |
+//! | light from around | `base_lambert` with `cosine`, or `curve` with `base_wrapped` or `base_translucent` |
 //! | layer | `layer_clear`, `layer_absorbing` |
 //! | what enters | `pass_flat`, or `pass_coupled` with `lobe` |
 //! | light below the film | `below_constant`, `below_table`, `below_rough` |
@@ -18,7 +18,7 @@
 //! Dispersion and gratings are not there yet: [`SkinProgram::left_out`] says so.
 //!
 //! They use bind group 1, and define what the frame calls: `SurfacePoint`, `Skin`, `skin_view`, `skin_eval`, `skin_shine`,
-//! `skin_ambient` and `skin_alpha`; see `skin.wgsl`.
+//! `skin_tints`, `skin_lobes`, `skin_ambient` and `skin_alpha`; see `skin.wgsl`.
 
 use crate::optics::layered::Parts;
 use crate::scene::SceneFeatures;
@@ -104,13 +104,16 @@ impl SkinProgram {
                 slots.extend(slots!["curve"]);
                 slots.push(one(features.translucent_base, slots!["base_translucent", "base_wrapped"]));
             } else {
-                slots.extend(slots!["base_lambert"]);
+                slots.extend(slots!["cosine", "base_lambert"]);
             }
             slots.push(one(features.absorber, slots!["layer_absorbing", "layer_clear"]));
             slots.push(one(coupled, slots!["pass_coupled", "pass_flat"]));
             let flat = one(features.thickness_map, slots!["below_table", "below_constant"]);
             slots.push(if coupled { slots!["below_rough"][0] } else { flat });
         } else {
+            if base {
+                slots.extend(slots!["cosine"]);
+            }
             slots.push(one(base, slots!["base_matt", "base_none"]));
         }
         let mut left_out = Vec::new();

@@ -1,20 +1,22 @@
 //! A scene on the device, and pictures of it.
 
 use bytemuck::Zeroable;
+use glam::Mat4;
 use wgpu::util::DeviceExt;
 
 use super::background::Background;
+use super::edges::Edges;
 use super::frame::FrameUniform;
 use super::lamps::{Casters, Lamps};
 use super::mesh::{self, DeviceMesh};
 use super::program::{SkinOptions, SkinProgram, Slot};
 use super::shadows::Shadows;
-use super::slots::{self, Lit, Sky};
-use super::target::{self, Target};
+use super::slots::{self, Has, Lit, Sky};
+use super::target::{self, Shading, Target};
 use super::textures::{self, Surface};
 use super::timing::Timing;
 use super::{Gpu, PreviewError, binding, environment, material::SkinData};
-use crate::scene::{Camera, Environment, Material, Scene, SceneFeatures};
+use crate::scene::{Camera, Material, Scene, SceneFeatures};
 
 /// What is chosen rather than found in the scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,10 +25,14 @@ pub struct Options {
     pub skin: SkinOptions,
     /// Small lights that a rectangle becomes, at least 1.
     pub rectangle_samples: usize,
-    /// Texels of a side of a shadow map.
+    /// Texels of a side of a sun's shadow map.
     pub shadow_size: u32,
+    /// Texels of a side of the shadow map of a small light of a rectangle; these blur each other's edges.
+    pub rectangle_shadow_size: u32,
     /// Most samples of a map along a slanted view, 1 to 16.
     pub anisotropy: u16,
+    /// Whether colours are computed once for each pixel before edges are smoothed, not once for each triangle in it.
+    pub once: bool,
     /// Whether the environment lights objects; it is seen behind them in any case.
     pub environment: bool,
     /// Whether suns and rectangles light objects.
@@ -39,7 +45,9 @@ impl Default for Options {
             skin: SkinOptions::default(),
             rectangle_samples: 16,
             shadow_size: 1024,
+            rectangle_shadow_size: 512,
             anisotropy: 8,
+            once: false,
             environment: true,
             lamps: true,
         }
@@ -47,11 +55,12 @@ impl Default for Options {
 }
 
 impl Options {
-    /// What suits an adapter: one that is a program on the CPU gets fewer small lights, and maps without anisotropy (some
-    /// slanted samples of it read the whole map there: measured with Mesa 22.3, 39 s for a picture that takes 2 without).
+    /// What suits an adapter. One that is a program on the CPU shades pixels once (Mesa 22.3 shades all that is hidden, too,
+    /// where pixels have samples: measured, four times the time of all else), and gets maps without anisotropy (some slanted
+    /// samples of it read the whole map there: measured, 39 s for a picture that takes 2 without).
     pub fn of(gpu: &Gpu) -> Self {
         let all = Self::default();
-        if gpu.is_software() { Self { rectangle_samples: 4, anisotropy: 1, ..all } } else { all }
+        if gpu.is_software() { Self { anisotropy: 1, once: true, ..all } } else { all }
     }
 }
 
@@ -78,8 +87,10 @@ pub struct Renderer<'g> {
     frame: FrameUniform,
     frame_block: wgpu::Buffer,
     frame_group: wgpu::BindGroup,
-    shadows: Option<Shadows>,
+    shadows: Vec<Shadows>,
     depth: wgpu::RenderPipeline,
+    shading: Shading,
+    edges: Option<Edges>,
     background: Background,
     target: Option<Target>,
     timing: Option<Timing>,
@@ -118,26 +129,37 @@ impl<'g> Renderer<'g> {
 
         let casters = Casters::new(scene);
         let lamps = match options.lamps {
-            true => Lamps::new(scene, &casters, options.rectangle_samples, options.shadow_size)?,
+            true => {
+                let sizes = [options.shadow_size, options.rectangle_shadow_size];
+                Lamps::new(scene, &casters, options.rectangle_samples, sizes)?
+            }
             false => Lamps::default(),
         };
-        let lit = !lamps.lamps.is_empty();
-        let drawn = casters.objects.iter().filter_map(|i| of_objects[*i]).collect();
-        let shadows = lit.then(|| Shadows::new(gpu, &lamps, drawn, options.shadow_size)).transpose()?;
-        if let Some(shadows) = &shadows {
-            resources.push(("shadow maps".into(), shadows.bytes()));
-        }
+        let drawn: Vec<usize> = casters.objects.iter().filter_map(|i| of_objects[*i]).collect();
+        let mut shadows = Vec::new();
+        let mut maps = |name: &'static str, seen: &[Mat4], size: u32| -> Result<_, PreviewError> {
+            if seen.is_empty() {
+                return Ok(None);
+            }
+            let maps = Shadows::new(gpu, name, seen, drawn.clone(), size)?;
+            resources.push((name.to_owned(), maps.bytes()));
+            let view = maps.all.clone();
+            shadows.push(maps);
+            Ok(Some(view))
+        };
+        let suns: Vec<Mat4> = lamps.suns.iter().map(|sun| Mat4::from_cols_array_2d(&sun.shadow)).collect();
+        let sun_maps = maps("shadow maps of suns", &suns, options.shadow_size)?;
+        let rectangle_maps = maps("shadow maps of rectangles", &lamps.seen, options.rectangle_shadow_size)?;
         let sky = if options.environment { environment::layers(scene) } else { None };
         let environment = options.environment && !scene.environment.is_black();
-        let mut frame = FrameUniform {
-            lamps: lamps.lamps.len() as u32,
+        let frame = FrameUniform {
+            suns: lamps.suns.len() as u32,
+            rectangles: lamps.rectangles.len() as u32,
             discs: lamps.discs.len() as u32,
             sky_layers: environment::LAYERS as f32,
+            even: scene.environment.mean_radiance().0,
             ..FrameUniform::zeroed()
         };
-        if let Environment::Constant(radiance) = scene.environment {
-            frame.even = radiance.0;
-        }
         let frame_block = gpu.device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("frame"),
             size: size_of::<FrameUniform>() as u64,
@@ -148,21 +170,23 @@ impl<'g> Renderer<'g> {
             resources.push(("environment by roughness".into(), 2 * texels.len() as u64));
             environment::texture(gpu, &texels)
         });
-        let bound = Bound::new(gpu, &frame_block, shadows.as_ref().map(|s| (s, &lamps)), sky_view.as_ref());
-
         let sky = match (environment, &sky_view) {
             (false, _) => Sky::Dark,
             (true, None) => Sky::Even,
             (true, Some(_)) => Sky::Image,
         };
-        let lit = Lit { lamps: lit, sky };
+        let lit = Lit { suns: sun_maps.is_some(), rectangles: rectangle_maps.is_some(), sky };
+        let maps = [sun_maps.as_ref(), rectangle_maps.as_ref(), sky_view.as_ref()];
+        let bound = Bound::new(gpu, &frame_block, &lamps, maps);
+
+        let shading = Shading::of(options.once);
         let mut materials = Vec::new();
         for (i, material) in scene.materials.iter().enumerate() {
             let worn = meshes.iter().any(|(_, m)| *m == i);
             let make = || Shaded::new(gpu, material, lit, &bound.layout, options, &mut resources);
             materials.push(worn.then(make).transpose()?);
         }
-        let background = Background::new(gpu, scene, &lamps, &bound.layout, &mut resources)?;
+        let background = Background::new(gpu, scene, &lamps, &bound.layout, shading, &mut resources)?;
         let renderer = Self {
             gpu,
             meshes,
@@ -171,7 +195,9 @@ impl<'g> Renderer<'g> {
             frame_block,
             frame_group: bound.group,
             shadows,
-            depth: depth(gpu, &bound.layout),
+            depth: depth(gpu, &bound.layout, shading),
+            shading,
+            edges: options.once.then(|| Edges::new(gpu, &bound.layout)),
             background,
             target: None,
             timing: Timing::new(gpu),
@@ -188,10 +214,11 @@ impl<'g> Renderer<'g> {
     pub fn render(&mut self, camera: &Camera, [width, height]: [usize; 2]) -> Result<Picture, PreviewError> {
         let target = match self.target.take().filter(|t| t.size() == [width, height]) {
             Some(target) => target,
-            None => Target::new(self.gpu, [width, height])?,
+            None => Target::new(self.gpu, [width, height], self.shading)?,
         };
         let frame = FrameUniform {
-            lamps: self.frame.lamps,
+            suns: self.frame.suns,
+            rectangles: self.frame.rectangles,
             discs: self.frame.discs,
             sky_layers: self.frame.sky_layers,
             even: self.frame.even,
@@ -200,12 +227,23 @@ impl<'g> Renderer<'g> {
         self.gpu.queue.write_buffer(&self.frame_block, 0, bytemuck::bytes_of(&frame));
         let mut encoder = self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         let mut names = Vec::new();
-        if let Some(shadows) = self.shadows.as_mut().filter(|s| !s.drawn) {
+        for shadows in self.shadows.iter_mut().filter(|s| !s.drawn) {
             shadows.draw(&mut encoder, &self.meshes, self.timing.as_ref().map(|t| t.pair(names.len())));
-            names.push("shadow maps");
+            names.push(shadows.name);
         }
-        self.picture(&mut encoder, &target, names.len());
+        self.shade(&mut encoder, &target, names.len());
         names.push("picture");
+        if let Some((edges, samples)) = self.edges.as_ref().zip(target.samples.as_ref()) {
+            let times = |place: usize| self.timing.as_ref().map(|t| t.pair(place));
+            let mut pass = Target::begin_depths(samples, &mut encoder, times(names.len()));
+            edges.depths(&mut pass, &self.frame_group, &self.meshes);
+            drop(pass);
+            names.push("depths of samples");
+            let mut pass = target.begin_whole(&mut encoder, times(names.len()));
+            edges.picture(self.gpu, &mut pass, &target, samples);
+            drop(pass);
+            names.push("edges");
+        }
         target.copy(&mut encoder);
         if let Some(timing) = &self.timing {
             timing.resolve(&mut encoder, names.len());
@@ -220,7 +258,8 @@ impl<'g> Renderer<'g> {
         Ok(Picture { width, height, texels, passes: names.into_iter().zip(times).collect() })
     }
 
-    fn picture(&self, encoder: &mut wgpu::CommandEncoder, target: &Target, place: usize) {
+    /// Draw objects, and what is behind them.
+    fn shade(&self, encoder: &mut wgpu::CommandEncoder, target: &Target, place: usize) {
         let mut pass = target.begin(encoder, self.timing.as_ref().map(|t| t.pair(place)));
         pass.set_bind_group(0, &self.frame_group, &[]);
         // Depth alone first, so that only what is seen is shaded.
@@ -267,6 +306,7 @@ impl Shaded {
         options: &Options,
         resources: &mut Vec<(String, u64)>,
     ) -> Result<Self, PreviewError> {
+        let shading = Shading::of(options.once);
         let program = SkinProgram::new(&SceneFeatures::of_material(material), &options.skin);
         // Where all texels are alike, the light below the film is that of their thickness.
         let data = SkinData::new(&material.constants, material.texel(0.5, 0.5).thickness_nm, &program)
@@ -279,7 +319,8 @@ impl Shaded {
         let film_table = surface.film_table && program.has("film_series");
         // The table has its own order of the series.
         let constants = if film_table { Vec::new() } else { program.constants() };
-        let files = slots::files(&program, material.maps.is_some(), film_table, lit);
+        let has = Has { maps: material.maps.is_some(), film_table, film_width: surface.film_width };
+        let files = slots::files(&program, has, lit);
         let module = slots::module(gpu, "skin", &files);
         let layout = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some("skin"),
@@ -297,7 +338,7 @@ impl Shaded {
             },
             primitive: wgpu::PrimitiveState::default(),
             depth_stencil: Some(target::depth(wgpu::CompareFunction::Equal, false)),
-            multisample: target::multisample(),
+            multisample: shading.multisample(),
             fragment: Some(wgpu::FragmentState {
                 module: &module,
                 entry_point: Some("shade"),
@@ -318,7 +359,7 @@ impl Shaded {
 }
 
 /// Draws nothing but depth.
-fn depth(gpu: &Gpu, frame: &wgpu::BindGroupLayout) -> wgpu::RenderPipeline {
+fn depth(gpu: &Gpu, frame: &wgpu::BindGroupLayout, shading: Shading) -> wgpu::RenderPipeline {
     let module = slots::module(gpu, "depth", &slots::slots!["frame", "depth"]);
     let layout = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
         label: Some("depth"),
@@ -332,11 +373,11 @@ fn depth(gpu: &Gpu, frame: &wgpu::BindGroupLayout) -> wgpu::RenderPipeline {
             module: &module,
             entry_point: Some("place_depth"),
             compilation_options: Default::default(),
-            buffers: &[Some(wgpu::VertexBufferLayout { attributes: &mesh::ATTRIBUTES[..1], ..mesh::LAYOUT })],
+            buffers: &[Some(mesh::PLACES)],
         },
         primitive: wgpu::PrimitiveState::default(),
         depth_stencil: Some(target::depth(wgpu::CompareFunction::Greater, true)),
-        multisample: target::multisample(),
+        multisample: shading.multisample(),
         fragment: Some(wgpu::FragmentState {
             module: &module,
             entry_point: Some("no_color"),
@@ -359,32 +400,39 @@ struct Bound {
 }
 
 impl Bound {
+    /// With the shadow maps of suns and of rectangles and the environment's layers, where there are any.
     fn new(
         gpu: &Gpu,
         frame: &wgpu::Buffer,
-        lamps: Option<(&Shadows, &Lamps)>,
-        sky: Option<&wgpu::TextureView>,
+        lamps: &Lamps,
+        [sun_maps, rectangle_maps, sky]: [Option<&wgpu::TextureView>; 3],
     ) -> Self {
-        let block = lamps.map(|(_, lamps)| {
+        let block = |contents: &[u8]| {
             gpu.device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
                 label: Some("lamps"),
-                contents: &lamps.block(),
+                contents,
                 usage: wgpu::BufferUsages::UNIFORM,
             })
-        });
-        let sampler = gpu.device.create_sampler(&wgpu::SamplerDescriptor {
-            label: Some("environment"),
-            mag_filter: wgpu::FilterMode::Linear,
-            min_filter: wgpu::FilterMode::Linear,
-            ..Default::default()
-        });
+        };
+        let sampler = |compare| {
+            gpu.device.create_sampler(&wgpu::SamplerDescriptor {
+                mag_filter: wgpu::FilterMode::Linear,
+                min_filter: wgpu::FilterMode::Linear,
+                compare,
+                ..Default::default()
+            })
+        };
+        let (suns, rectangles) = (block(&lamps.sun_block()), block(&lamps.rectangle_block()));
+        // Compares depths, and blends four answers.
+        let depths = sampler(Some(wgpu::CompareFunction::LessEqual));
+        let smooth = sampler(None);
         let mut entries = vec![(textures::uniform_entry(0), frame.as_entire_binding())];
-        if let (Some((shadows, _)), Some(block)) = (lamps, &block) {
+        if let Some(maps) = sun_maps {
             let comparison = wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Comparison);
             entries.extend([
-                (textures::uniform_entry(1), block.as_entire_binding()),
-                (Shadows::entry(2), wgpu::BindingResource::TextureView(&shadows.all)),
-                (textures::entry(3, comparison), wgpu::BindingResource::Sampler(&shadows.sampler)),
+                (textures::uniform_entry(1), suns.as_entire_binding()),
+                (Shadows::entry(2), wgpu::BindingResource::TextureView(maps)),
+                (textures::entry(3, comparison), wgpu::BindingResource::Sampler(&depths)),
             ]);
         }
         if let Some(sky) = sky {
@@ -392,7 +440,13 @@ impl Bound {
             let array = wgpu::TextureViewDimension::D2Array;
             entries.extend([
                 (textures::texture_entry(4, array), wgpu::BindingResource::TextureView(sky)),
-                (textures::entry(5, filtering), wgpu::BindingResource::Sampler(&sampler)),
+                (textures::entry(5, filtering), wgpu::BindingResource::Sampler(&smooth)),
+            ]);
+        }
+        if let Some(maps) = rectangle_maps {
+            entries.extend([
+                (textures::uniform_entry(6), rectangles.as_entire_binding()),
+                (Shadows::entry(7), wgpu::BindingResource::TextureView(maps)),
             ]);
         }
         let described: Vec<_> = entries.iter().map(|e| e.0).collect();

@@ -1,8 +1,8 @@
 //! Shadow maps: depth as each small light sees it. Drawn once, as lights and objects do not move.
 
+use glam::Mat4;
 use wgpu::util::DeviceExt;
 
-use super::lamps::{LampSample, Lamps};
 use super::mesh::{self, DeviceMesh};
 use super::program::Slot;
 use super::{Gpu, PreviewError, slots, textures};
@@ -12,10 +12,10 @@ const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 /// The maps of all lights.
 #[derive(Debug)]
 pub(super) struct Shadows {
+    /// Whose they are.
+    pub(super) name: &'static str,
     /// All maps, a layer each.
     pub(super) all: wgpu::TextureView,
-    /// Compares depths, and blends four answers.
-    pub(super) sampler: wgpu::Sampler,
     /// Whether they are there already.
     pub(super) drawn: bool,
     pipeline: wgpu::RenderPipeline,
@@ -25,18 +25,20 @@ pub(super) struct Shadows {
 }
 
 impl Shadows {
-    /// Room for maps of `size` texels a side; `casters` are the meshes that cast shadows.
+    /// Room for maps of `size` texels a side, one for each way from the world to one; `casters` are the meshes that cast
+    /// shadows.
     ///
     /// # Errors
     /// If the adapter holds no such map.
     pub(super) fn new(
         gpu: &Gpu,
-        lamps: &Lamps,
+        name: &'static str,
+        seen: &[Mat4],
         casters: Vec<usize>,
         size: u32,
     ) -> Result<Self, PreviewError> {
         let limits = gpu.device.limits();
-        let (size, count) = (size.max(1), lamps.samples.len().max(1) as u32);
+        let (size, count) = (size.max(1), seen.len().max(1) as u32);
         gpu.fits("a shadow map in texels", u64::from(size), u64::from(limits.max_texture_dimension_2d))?;
         gpu.fits("the number of shadow maps", u64::from(count), u64::from(limits.max_texture_array_layers))?;
         let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
@@ -54,7 +56,7 @@ impl Shadows {
             label: Some("shadow"),
             entries: &[block],
         });
-        let layer = |(i, sample): (usize, &LampSample)| {
+        let layer = |(i, shadow): (usize, &Mat4)| {
             let view = texture.create_view(&wgpu::TextureViewDescriptor {
                 dimension: Some(wgpu::TextureViewDimension::D2),
                 base_array_layer: i as u32,
@@ -63,22 +65,16 @@ impl Shadows {
             });
             let light = gpu.device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
                 label: Some("shadow"),
-                contents: bytemuck::bytes_of(&sample.shadow),
+                contents: bytemuck::bytes_of(&shadow.to_cols_array_2d()),
                 usage: wgpu::BufferUsages::UNIFORM,
             });
             (view, textures::group(gpu, "shadow", &layout, [light.as_entire_binding()]))
         };
-        let layers = lamps.samples.iter().enumerate().map(layer).collect();
+        let layers = seen.iter().enumerate().map(layer).collect();
         Ok(Self {
+            name,
             all: texture.create_view(&wgpu::TextureViewDescriptor {
                 dimension: Some(wgpu::TextureViewDimension::D2Array),
-                ..Default::default()
-            }),
-            sampler: gpu.device.create_sampler(&wgpu::SamplerDescriptor {
-                label: Some("shadow maps"),
-                mag_filter: wgpu::FilterMode::Linear,
-                min_filter: wgpu::FilterMode::Linear,
-                compare: Some(wgpu::CompareFunction::LessEqual),
                 ..Default::default()
             }),
             drawn: false,
@@ -159,7 +155,7 @@ fn pipeline(gpu: &Gpu, group: &wgpu::BindGroupLayout) -> wgpu::RenderPipeline {
             module: &module,
             entry_point: Some("place_caster"),
             compilation_options: Default::default(),
-            buffers: &[Some(wgpu::VertexBufferLayout { attributes: &mesh::ATTRIBUTES[..1], ..mesh::LAYOUT })],
+            buffers: &[Some(mesh::PLACES)],
         },
         primitive: wgpu::PrimitiveState::default(),
         depth_stencil: Some(wgpu::DepthStencilState {

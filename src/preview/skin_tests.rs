@@ -168,7 +168,7 @@ fn probe(@builtin(global_invocation_id) id: vec3u) {
         return;
     }
     let q = questions[id.x];
-    let s = skin_view(SurfacePoint(q.albedo, q.roughness, q.thickness_nm, q.spread_nm), q.wo);
+    let s = skin_view(SurfacePoint(q.albedo, q.roughness, q.thickness_nm, q.spread_nm, 0.0), q.wo);
     answers[4u * id.x] = vec4f(skin_eval(s, q.wi), skin_alpha(s));
     answers[4u * id.x + 1u] = vec4f(skin_shine(s, q.wi), 0.0);
     answers[4u * id.x + 2u] = vec4f(skin_ambient(s, vec3f(1.0), vec3f(0.0)), 0.0);

@@ -2,9 +2,10 @@
 //!
 //! | Part | Files |
 //! | --- | --- |
-//! | maps | `maps_none`, `maps` |
+//! | maps | `maps_none`, `maps` with `width_none` or `width_map` |
 //! | film under maps | the material's own series, or `film_table` in its place |
-//! | suns and rectangles | `lamps_none`, `lamps` |
+//! | suns | `suns_none`, `suns` |
+//! | rectangles | `rectangles_none`, `rectangles` |
 //! | light from all around | `sky_none`, `sky_even`, `sky_image` |
 
 use super::Gpu;
@@ -20,8 +21,10 @@ pub(super) use slots;
 /// What lights objects.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Lit {
-    /// Suns or rectangles.
-    pub(super) lamps: bool,
+    /// Suns.
+    pub(super) suns: bool,
+    /// Rectangles.
+    pub(super) rectangles: bool,
     /// Light from all around.
     pub(super) sky: Sky,
 }
@@ -37,10 +40,23 @@ pub(super) enum Sky {
     Image,
 }
 
+/// What a surface has.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Has {
+    /// Maps.
+    pub(super) maps: bool,
+    /// Its film as a table.
+    pub(super) film_table: bool,
+    /// A film that varies below a texel.
+    pub(super) film_width: bool,
+}
+
 /// The files, in the order in which they are joined.
-pub(super) fn files(program: &SkinProgram, mapped: bool, film_table: bool, lit: Lit) -> Vec<Slot> {
+pub(super) fn files(program: &SkinProgram, has: Has, lit: Lit) -> Vec<Slot> {
     let [frame, surface, shade] = slots!["frame", "surface", "shade"];
-    let [plain, maps, no_lamps, lamps] = slots!["maps_none", "maps", "lamps_none", "lamps"];
+    let [plain, maps, width, no_width] = slots!["maps_none", "maps", "width_map", "width_none"];
+    let [suns, no_suns] = slots!["suns", "suns_none"];
+    let [rectangles, no_rectangles] = slots!["rectangles", "rectangles_none"];
     let [dark, even, image] = slots!["sky_none", "sky_even", "sky_image"];
     let sky = match lit.sky {
         Sky::Dark => dark,
@@ -50,19 +66,20 @@ pub(super) fn files(program: &SkinProgram, mapped: bool, film_table: bool, lit: 
     let mut files = vec![frame];
     let series =
         |slot: &&Slot| ["film_series", "fringes", "beyond"].iter().any(|start| slot.name.starts_with(start));
-    if film_table {
+    if has.film_table {
         files.extend(program.slots().iter().filter(|slot| !series(slot)));
         files.extend(slots!["film_table"]);
     } else {
         files.extend_from_slice(program.slots());
     }
-    files.extend([
-        if mapped { maps } else { plain },
-        surface,
-        if lit.lamps { lamps } else { no_lamps },
-        sky,
-        shade,
-    ]);
+    if has.maps {
+        files.extend([maps, if has.film_width { width } else { no_width }]);
+    } else {
+        files.push(plain);
+    }
+    let suns = if lit.suns { suns } else { no_suns };
+    let rectangles = if lit.rectangles { rectangles } else { no_rectangles };
+    files.extend([surface, suns, rectangles, sky, shade]);
     files
 }
 
@@ -83,7 +100,7 @@ mod tests {
 
     use super::*;
     use crate::preview::frame::FrameUniform;
-    use crate::preview::lamps::{Disc, Lamp, LampSample, MOST_LAMPS, MOST_SAMPLES};
+    use crate::preview::lamps::{Disc, MOST_LAMPS, MOST_PLACES, Rectangle, Sun};
     use crate::preview::program::SkinOptions;
     use crate::preview::textures::PlainUniform;
     use crate::scene::SceneFeatures;
@@ -108,12 +125,16 @@ mod tests {
         let mut all = Vec::new();
         for features in features() {
             let program = SkinProgram::new(&features, &SkinOptions::default());
-            for mapped in [false, true] {
-                for lamps in [false, true] {
+            for maps in [false, true] {
+                for bits in 0..4 {
+                    let (suns, rectangles) = (bits & 1 == 1, bits & 2 == 2);
                     for sky in [Sky::Dark, Sky::Even, Sky::Image] {
-                        all.push(files(&program, mapped, false, Lit { lamps, sky }));
-                        if mapped && features.film {
-                            all.push(files(&program, mapped, true, Lit { lamps, sky }));
+                        let lit = Lit { suns, rectangles, sky };
+                        let has = Has { maps, ..Has::default() };
+                        all.push(files(&program, has, lit));
+                        if maps && features.film {
+                            all.push(files(&program, Has { film_width: true, ..has }, lit));
+                            all.push(files(&program, Has { film_table: true, film_width: suns, ..has }, lit));
                         }
                     }
                 }
@@ -121,8 +142,8 @@ mod tests {
         }
         let [frame, background, even, image] =
             slots!["frame", "background", "surroundings_even", "surroundings_image"];
-        let [lamp, shadow, depth] = slots!["lamp", "shadow", "depth"];
-        all.extend([vec![frame, depth]]);
+        let [lamp, shadow, depth, edges] = slots!["lamp", "shadow", "depth", "edges"];
+        all.extend([vec![frame, depth], vec![edges]]);
         all.extend([
             vec![frame, even, background],
             vec![frame, image, background],
@@ -144,8 +165,11 @@ mod tests {
             let bound =
                 |name: &str| module.global_variables.iter().any(|(_, g)| g.name.as_deref() == Some(name));
             for (variable, file) in [
-                ("lamps", "lamps"),
-                ("shadow_maps", "lamps"),
+                ("suns", "suns"),
+                ("sun_maps", "suns"),
+                ("rectangles", "rectangles"),
+                ("rectangle_maps", "rectangles"),
+                ("width_map", "width_map"),
                 ("sky", "sky_image"),
                 ("color_map", "maps"),
                 ("film_table", "film_table"),
@@ -159,7 +183,8 @@ mod tests {
     #[test]
     fn blocks_lie_in_memory_as_shaders_read_them() {
         let program = SkinProgram::new(&features()[1], &SkinOptions::default());
-        let skin = parse(&join(&files(&program, false, false, Lit { lamps: true, sky: Sky::Dark })));
+        let lit = Lit { suns: true, rectangles: true, sky: Sky::Dark };
+        let skin = parse(&join(&files(&program, Has::default(), lit)));
         let [frame, even, background] = slots!["frame", "surroundings_even", "background"];
         let background = parse(&join(&[frame, even, background]));
         let check = |module: &naga::Module, name: &str, size: usize, offsets: &[(&str, usize)]| {
@@ -183,24 +208,36 @@ mod tests {
             eye,
             sky_layers,
             forward,
-            lamps,
+            suns,
             right,
             discs,
             up,
-            padding,
+            rectangles,
             even,
-            padding_2
+            padding
         );
-        block!(&skin, "Lamp", Lamp, first, count, spread, padding);
-        block!(&skin, "Sample", LampSample, at, light, texel, normal, padding, shadow);
+        block!(&skin, "Sun", Sun, direction, spread, irradiance, texel, shadow);
+        block!(
+            &skin,
+            "Rectangle",
+            Rectangle,
+            x,
+            first,
+            y,
+            count,
+            z,
+            spread,
+            center,
+            texel,
+            light,
+            scale,
+            depth,
+            padding
+        );
         block!(&skin, "Plain", PlainUniform, albedo, roughness, thickness);
         block!(&background, "Disc", Disc, direction, chord_2, radiance, padding);
-        let samples = MOST_LAMPS * size_of::<Lamp>();
-        check(
-            &skin,
-            "Lamps",
-            samples + MOST_SAMPLES * size_of::<LampSample>(),
-            &[("lamps", 0), ("samples", samples)],
-        );
+        let first = MOST_LAMPS * size_of::<Rectangle>();
+        let all = first + MOST_PLACES * size_of::<[f32; 4]>();
+        check(&skin, "Rectangles", all, &[("rectangles", 0), ("places", first)]);
     }
 }

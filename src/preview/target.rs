@@ -11,9 +11,30 @@ const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 /// Samples of a pixel's edges.
 const SAMPLES: u32 = 4;
 
-/// How pipelines that draw into a target treat edges.
-pub(super) fn multisample() -> wgpu::MultisampleState {
-    wgpu::MultisampleState { count: SAMPLES, ..Default::default() }
+/// Where colours of objects are computed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Shading {
+    /// Once for each triangle that a pixel shows, into its samples.
+    Triangles,
+    /// Once for each pixel, beforehand; samples take these colours.
+    Pixels,
+}
+
+impl Shading {
+    /// Once for each pixel, or not.
+    pub(super) fn of(once: bool) -> Self {
+        if once { Self::Pixels } else { Self::Triangles }
+    }
+
+    /// Samples of what is shaded.
+    fn samples(self) -> u32 {
+        if self == Self::Triangles { SAMPLES } else { 1 }
+    }
+
+    /// How pipelines treat edges.
+    pub(super) fn multisample(self) -> wgpu::MultisampleState {
+        wgpu::MultisampleState { count: self.samples(), ..Default::default() }
+    }
 }
 
 /// How pipelines that draw into a target treat depth: 1 is near, 0 is far.
@@ -31,8 +52,13 @@ pub(super) fn depth(compare: wgpu::CompareFunction, write: bool) -> wgpu::DepthS
 #[derive(Debug)]
 pub(super) struct Target {
     size: [usize; 2],
-    samples: wgpu::TextureView,
-    depth: wgpu::TextureView,
+    shading: Shading,
+    /// What is shaded: samples, or pixels.
+    pub(super) color: wgpu::TextureView,
+    /// Of what is shaded.
+    pub(super) depth: wgpu::TextureView,
+    /// Depths of samples, where pixels are shaded.
+    pub(super) samples: Option<wgpu::TextureView>,
     pixels: wgpu::Texture,
     whole: wgpu::TextureView,
     buffer: wgpu::Buffer,
@@ -40,11 +66,15 @@ pub(super) struct Target {
 }
 
 impl Target {
-    /// A target of this many columns and rows.
+    /// A target of this many columns and rows, shaded like this.
     ///
     /// # Errors
     /// If there are none, or more than the adapter holds.
-    pub(super) fn new(gpu: &Gpu, [width, height]: [usize; 2]) -> Result<Self, PreviewError> {
+    pub(super) fn new(
+        gpu: &Gpu,
+        [width, height]: [usize; 2],
+        shading: Shading,
+    ) -> Result<Self, PreviewError> {
         if width == 0 || height == 0 {
             return Err(PreviewError::Empty(width, height));
         }
@@ -69,10 +99,15 @@ impl Target {
         let attachment = wgpu::TextureUsages::RENDER_ATTACHMENT;
         let view = |texture: &wgpu::Texture| texture.create_view(&wgpu::TextureViewDescriptor::default());
         let pixels = texture("picture", 1, FORMAT, attachment | wgpu::TextureUsages::COPY_SRC);
+        let read = attachment | wgpu::TextureUsages::TEXTURE_BINDING;
+        let used = if shading == Shading::Pixels { read } else { attachment };
+        let samples = || view(&texture("depths of samples", SAMPLES, DEPTH, read));
         Ok(Self {
             size: [width, height],
-            samples: view(&texture("samples", SAMPLES, FORMAT, attachment)),
-            depth: view(&texture("depth", SAMPLES, DEPTH, attachment)),
+            shading,
+            color: view(&texture("colors", shading.samples(), FORMAT, used)),
+            depth: view(&texture("depths", shading.samples(), DEPTH, used)),
+            samples: (shading == Shading::Pixels).then(samples),
             whole: view(&pixels),
             pixels,
             buffer: gpu.device.create_buffer(&wgpu::BufferDescriptor {
@@ -93,34 +128,55 @@ impl Target {
     /// Size on the device.
     pub(super) fn bytes(&self) -> u64 {
         let pixels = (self.size[0] * self.size[1]) as u64;
-        pixels * u64::from(SAMPLES * (8 + 4) + 8) + self.buffer.size()
+        let texel = match self.shading {
+            Shading::Triangles => SAMPLES * (8 + 4) + 8,
+            Shading::Pixels => (8 + 4) + SAMPLES * 4 + 8,
+        };
+        pixels * u64::from(texel) + self.buffer.size()
     }
 
-    /// Begin to draw on a black picture.
+    /// Begin to shade on black: samples, which become the picture, or pixels.
     pub(super) fn begin<'e>(
         &self,
         encoder: &'e mut wgpu::CommandEncoder,
         times: Option<wgpu::RenderPassTimestampWrites<'_>>,
     ) -> wgpu::RenderPass<'e> {
+        let (resolved, store) = match self.shading {
+            Shading::Triangles => (Some(&self.whole), wgpu::StoreOp::Discard),
+            Shading::Pixels => (None, wgpu::StoreOp::Store),
+        };
         encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("picture"),
-            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                view: &self.samples,
-                depth_slice: None,
-                resolve_target: Some(&self.whole),
-                ops: wgpu::Operations {
-                    load: wgpu::LoadOp::Clear(wgpu::Color::BLACK),
-                    store: wgpu::StoreOp::Discard,
-                },
-            })],
-            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                view: &self.depth,
-                depth_ops: Some(wgpu::Operations {
-                    load: wgpu::LoadOp::Clear(0.0),
-                    store: wgpu::StoreOp::Discard,
-                }),
-                stencil_ops: None,
-            }),
+            color_attachments: &[Some(onto(&self.color, resolved, store))],
+            depth_stencil_attachment: Some(before(&self.depth, store)),
+            timestamp_writes: times,
+            ..Default::default()
+        })
+    }
+
+    /// Begin to draw depths of samples.
+    pub(super) fn begin_depths<'e>(
+        samples: &wgpu::TextureView,
+        encoder: &'e mut wgpu::CommandEncoder,
+        times: Option<wgpu::RenderPassTimestampWrites<'_>>,
+    ) -> wgpu::RenderPass<'e> {
+        encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("depths of samples"),
+            depth_stencil_attachment: Some(before(samples, wgpu::StoreOp::Store)),
+            timestamp_writes: times,
+            ..Default::default()
+        })
+    }
+
+    /// Begin to draw the picture itself.
+    pub(super) fn begin_whole<'e>(
+        &self,
+        encoder: &'e mut wgpu::CommandEncoder,
+        times: Option<wgpu::RenderPassTimestampWrites<'_>>,
+    ) -> wgpu::RenderPass<'e> {
+        encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("edges"),
+            color_attachments: &[Some(onto(&self.whole, None, wgpu::StoreOp::Store))],
             timestamp_writes: times,
             ..Default::default()
         })
@@ -155,6 +211,22 @@ impl Target {
         }
         Ok(texels)
     }
+}
+
+/// Colours onto black.
+fn onto<'v>(
+    view: &'v wgpu::TextureView,
+    resolve_target: Option<&'v wgpu::TextureView>,
+    store: wgpu::StoreOp,
+) -> wgpu::RenderPassColorAttachment<'v> {
+    let ops = wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::BLACK), store };
+    wgpu::RenderPassColorAttachment { view, depth_slice: None, resolve_target, ops }
+}
+
+/// Depths before what is at the far end.
+fn before(view: &wgpu::TextureView, store: wgpu::StoreOp) -> wgpu::RenderPassDepthStencilAttachment<'_> {
+    let depth_ops = Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store });
+    wgpu::RenderPassDepthStencilAttachment { view, depth_ops, stencil_ops: None }
 }
 
 /// The bytes of a buffer that can be read, once everything submitted is done.

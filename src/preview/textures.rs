@@ -1,8 +1,9 @@
 //! Maps on the device: bind group 2. Textures with levels for any distance.
 //!
 //! A level is the mean of what it covers, but for two things that are seen as a whole. Normals that differ below a pixel
-//! widen the lobe: alpha^2 grows by the variance of their slopes (Toksvig 2005; Olano & Baker, LEAN mapping, 2010). And the
-//! thickness of a film has, beside its mean, the width over which it varies, by which interference is averaged.
+//! leave, beside the direction of their mean, what its length lacks: shaders widen the lobe by it (Toksvig 2005; Olano &
+//! Baker, LEAN mapping, 2010) and average the base's cosine. And the thickness of a film has, beside its mean, the width over
+//! which it varies, by which interference is averaged.
 
 use half::f16;
 use half::slice::HalfFloatSliceExt;
@@ -59,20 +60,20 @@ impl Mean {
         self.thickness_2 += weight * other.thickness_2;
     }
 
-    /// Albedo and roughness, then normal, thickness and width as textures hold them.
-    fn encode(&self) -> ([f32; 4], [f32; 4]) {
+    /// A texel of each texture.
+    fn encode(&self) -> ([f32; 4], [f32; 4], f32) {
         let [r, g, b] = self.color;
         let [x, y, z] = self.normal;
         let length_2 = (x * x + y * y + z * z).min(1.0);
-        // 1 - |n|^2 is the variance of the slopes, both axes together, where it is small.
-        let lost = (1.0 - length_2) / length_2.max(1e-4);
-        let lost = if lost > 1e-5 { lost } else { 0.0 };
-        let roughness = (self.alpha_2 + lost).min(1.0).sqrt().sqrt();
+        let hidden = 1.0 - length_2;
+        // Less is rounding.
+        let hidden = if hidden > 1e-5 { hidden } else { 0.0 };
         let scale = 1.0 / length_2.sqrt().max(1e-4);
         // Of an even spread of the same variance.
         let variance = (self.thickness_2 - self.thickness * self.thickness).max(0.0);
         let width = if variance > 1e-9 { (12.0 * variance).sqrt() } else { 0.0 };
-        ([r, g, b, roughness], [x * scale, y * scale, self.thickness, width])
+        let roughness = self.alpha_2.sqrt().sqrt();
+        ([r, g, b, roughness], [x * scale, y * scale, self.thickness, hidden], width)
     }
 }
 
@@ -110,22 +111,35 @@ fn halve(width: usize, height: usize, at: impl Fn(usize) -> Mean + Sync) -> Vec<
     (0..h).into_par_iter().flat_map_iter(row).collect()
 }
 
-/// Both textures of one level, as halves, texel by texel.
-type Level = [Vec<f16>; 2];
+/// A level as textures hold it, texel by texel.
+struct Level {
+    /// Albedo and roughness.
+    color: Vec<[f16; 4]>,
+    /// Normal's x and y, thickness, and 1 - the squared length of the mean normal.
+    form: Vec<[f16; 4]>,
+    /// Over which the thickness varies.
+    width: Vec<f16>,
+}
 
 /// A level as textures hold it.
 fn encode(len: usize, at: impl Fn(usize) -> Mean + Sync) -> Level {
     const CHUNK: usize = 4096;
-    let mut level = [vec![f16::ZERO; 4 * len], vec![f16::ZERO; 4 * len]];
-    let [color, form] = &mut level;
-    color.par_chunks_mut(4 * CHUNK).zip(form.par_chunks_mut(4 * CHUNK)).enumerate().for_each(
-        |(chunk, (color, form))| {
-            let texels = (0..color.len() / 4).map(|i| at(chunk * CHUNK + i).encode());
-            let (a, b): (Vec<[f32; 4]>, Vec<[f32; 4]>) = texels.unzip();
-            color.convert_from_f32_slice(a.as_flattened());
-            form.convert_from_f32_slice(b.as_flattened());
-        },
-    );
+    let zero = [f16::ZERO; 4];
+    let mut level = Level { color: vec![zero; len], form: vec![zero; len], width: vec![f16::ZERO; len] };
+    let chunks = level.color.par_chunks_mut(CHUNK).zip(level.form.par_chunks_mut(CHUNK));
+    chunks.zip(level.width.par_chunks_mut(CHUNK)).enumerate().for_each(|(chunk, ((color, form), width))| {
+        let mut texels = [[0.0; 4]; 3 * CHUNK];
+        let [a, b, c] = [0, 1, 2].map(|k| k * CHUNK);
+        for i in 0..color.len() {
+            let (color, form, width) = at(chunk * CHUNK + i).encode();
+            (texels[a + i], texels[b + i]) = (color, form);
+            texels[c + i / 4][i % 4] = width;
+        }
+        let len = color.len();
+        color.as_flattened_mut().convert_from_f32_slice(texels[a..a + len].as_flattened());
+        form.as_flattened_mut().convert_from_f32_slice(texels[b..b + len].as_flattened());
+        width.convert_from_f32_slice(&texels[c..].as_flattened()[..len]);
+    });
     level
 }
 
@@ -158,6 +172,8 @@ pub(super) struct Surface {
     pub(super) textures: Vec<(&'static str, u64)>,
     /// Whether the table of [`film_table`] is among them.
     pub(super) film_table: bool,
+    /// Whether its film varies below a texel of some level.
+    pub(super) film_width: bool,
 }
 
 impl Surface {
@@ -194,7 +210,7 @@ impl Surface {
             layout: &layout,
             entries: &entries,
         });
-        Self { group, layout, textures: Vec::new(), film_table: false }
+        Self { group, layout, textures: Vec::new(), film_table: false, film_width: false }
     }
 
     fn mapped(gpu: &Gpu, maps: &SkinMaps, indices: [f32; 3], anisotropy: u16) -> Result<Self, PreviewError> {
@@ -203,15 +219,17 @@ impl Surface {
         let thickest = maps.texels.iter().fold(0.0_f32, |most, t| most.max(t.thickness_nm));
         let scale = if thickest > 0.0 { thickest } else { 1.0 };
         let levels = levels(maps, 1.0 / scale);
-        let names = ["albedo and roughness", "normal and film"];
-        let textures = [0, 1].map(|which| {
-            let data: Vec<u16> =
-                levels.iter().flat_map(|level| level[which].reinterpret_cast()).copied().collect();
+        let size = [maps.width, maps.height, 1];
+        let make = |name: &'static str, format, texels: &dyn Fn(&Level) -> &[f16]| {
+            let data: Vec<u16> = levels.iter().flat_map(|l| texels(l).reinterpret_cast()).copied().collect();
             let bytes: &[u8] = bytemuck::cast_slice(&data);
-            let size = [maps.width, maps.height, 1];
-            (upload(gpu, names[which], size, levels.len(), bytes), bytes.len() as u64)
-        });
-        let views = textures.each_ref().map(|(t, _)| t.create_view(&wgpu::TextureViewDescriptor::default()));
+            let texture = upload(gpu, name, format, size, levels.len(), bytes);
+            (texture.create_view(&wgpu::TextureViewDescriptor::default()), (name, bytes.len() as u64))
+        };
+        let (color, color_size) = make("albedo and roughness", FOUR, &|l| l.color.as_flattened());
+        let (form, form_size) = make("normal and film", FOUR, &|l| l.form.as_flattened());
+        let varies = levels.iter().any(|l| l.width.iter().any(|w| *w > f16::ZERO));
+        let width = varies.then(|| make("spread of film", wgpu::TextureFormat::R16Float, &|l| &l.width));
         let sampler = gpu.device.create_sampler(&wgpu::SamplerDescriptor {
             label: Some("maps"),
             address_mode_u: wgpu::AddressMode::Repeat,
@@ -236,11 +254,11 @@ impl Surface {
         ];
         let mut resources = vec![
             block.as_entire_binding(),
-            wgpu::BindingResource::TextureView(&views[0]),
-            wgpu::BindingResource::TextureView(&views[1]),
+            wgpu::BindingResource::TextureView(&color),
+            wgpu::BindingResource::TextureView(&form),
             wgpu::BindingResource::Sampler(&sampler),
         ];
-        let mut sizes = vec![(names[0], textures[0].1), (names[1], textures[1].1)];
+        let mut sizes = vec![color_size, form_size];
         let film = (thickest > 0.0 && thickest <= film_table::THICKEST_NM)
             .then(|| film_texture(gpu, indices, scale))
             .transpose()?;
@@ -258,12 +276,25 @@ impl Surface {
             ]);
             sizes.push(("film by cosine and thickness", *bytes));
         }
+        if let Some((view, size)) = &width {
+            entries.push(texture_entry(6, wgpu::TextureViewDimension::D2));
+            resources.push(wgpu::BindingResource::TextureView(view));
+            sizes.push(*size);
+        }
         let layout = gpu.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
             label: Some("maps"),
             entries: &entries,
         });
-        let group = group(gpu, "maps", &layout, resources);
-        Ok(Self { group, layout, textures: sizes, film_table: film.is_some() })
+        let resources = entries.iter().map(|e| e.binding).zip(resources);
+        let resources: Vec<_> =
+            resources.map(|(binding, resource)| wgpu::BindGroupEntry { binding, resource }).collect();
+        let label = Some("maps");
+        let group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label,
+            layout: &layout,
+            entries: &resources,
+        });
+        Ok(Self { group, layout, textures: sizes, film_table: film.is_some(), film_width: width.is_some() })
     }
 }
 
@@ -277,7 +308,7 @@ fn film_texture(
         film_table::table(indices, thickest_nm).map_err(|e| PreviewError::Material(e.to_string()))?;
     let bytes: &[u8] = bytemuck::cast_slice(texels.reinterpret_cast());
     let size = [film_table::COSINES, film_table::THICKNESSES, film_table::LAYERS];
-    let texture = upload(gpu, "film", size, 1, bytes);
+    let texture = upload(gpu, "film", FOUR, size, 1, bytes);
     let view = texture.create_view(&wgpu::TextureViewDescriptor {
         dimension: Some(wgpu::TextureViewDimension::D2Array),
         ..Default::default()
@@ -285,10 +316,14 @@ fn film_texture(
     Ok((view, bytes.len() as u64))
 }
 
-/// A texture to read, four halves a texel: columns, rows and layers, with so many levels, layer by layer.
+/// Four halves a texel.
+pub(super) const FOUR: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
+
+/// A texture to read: columns, rows and layers, with so many levels, layer by layer.
 pub(super) fn upload(
     gpu: &Gpu,
     name: &str,
+    format: wgpu::TextureFormat,
     [width, height, layers]: [usize; 3],
     levels: usize,
     bytes: &[u8],
@@ -303,7 +338,7 @@ pub(super) fn upload(
         mip_level_count: levels as u32,
         sample_count: 1,
         dimension: wgpu::TextureDimension::D2,
-        format: wgpu::TextureFormat::Rgba16Float,
+        format,
         usage: wgpu::TextureUsages::TEXTURE_BINDING,
         view_formats: &[],
     };
@@ -358,9 +393,8 @@ mod tests {
         SkinMaps { width, height, texels, height_mm: None, size_mm: [1.0; 2] }
     }
 
-    fn texel(level: &Level, i: usize) -> ([f32; 4], [f32; 4]) {
-        let get = |which: usize| std::array::from_fn(|c| level[which][4 * i + c].to_f32());
-        (get(0), get(1))
+    fn texel(level: &Level, i: usize) -> ([f32; 4], [f32; 4], f32) {
+        (level.color[i].map(f16::to_f32), level.form[i].map(f16::to_f32), level.width[i].to_f32())
     }
 
     /// Every texel counts alike in every level, also where sides are odd.
@@ -376,16 +410,17 @@ mod tests {
             });
             let all = levels(&maps, 1.0);
             assert_eq!(all.len(), w.max(h).ilog2() as usize + 1);
-            let (color, form) = texel(&all[all.len() - 1], 0);
+            let (color, form, _) = texel(&all[all.len() - 1], 0);
             let mean = (0..w * h).map(|i| value(i % w, i / w)).sum::<f32>() / (w * h) as f32;
             assert!((color[0] - mean).abs() < 1e-3, "{w}x{h}: {} for {mean}", color[0]);
             assert!((color[3] - 0.5).abs() < 1e-3 && form == [0.0; 4]);
         }
     }
 
-    /// Slopes of variance s^2 along x alone add s^2 to alpha^2; thickness between two values has their spread.
+    /// The mean of two normals that lean by a slope is as short as their cosine; thickness between two values has their
+    /// spread.
     #[test]
-    fn what_a_level_hides_widens_the_lobe_and_the_film() {
+    fn what_a_level_hides_is_kept() {
         let slope = 0.1_f32;
         let maps = maps(2, 2, |x, _| {
             let z = 1.0 / (1.0 + slope * slope).sqrt();
@@ -398,13 +433,14 @@ mod tests {
             }
         });
         let all = levels(&maps, 1.0 / 600.0);
-        let (color, form) = texel(&all[1], 0);
-        let expected = (0.3_f32.powi(4) + slope * slope).powf(0.25);
-        assert!((color[3] - expected).abs() < 1e-3, "{} for {expected}", color[3]);
+        let (color, form, width) = texel(&all[1], 0);
+        assert!((color[3] - 0.3).abs() < 3e-4, "{}", color[3]);
+        let expected = slope * slope / (1.0 + slope * slope);
+        assert!((form[3] - expected).abs() < 1e-5, "{} for {expected}", form[3]);
         assert!(form[0].abs() < 1e-6 && (form[2] * 600.0 - 400.0).abs() < 0.5);
-        assert!((form[3] * 600.0 - 200.0 * 12.0_f32.sqrt()).abs() < 1.0);
-        // And where nothing is hidden, nothing is widened.
-        let (color, form) = texel(&all[0], 1);
-        assert!((color[3] - 0.3).abs() < 3e-4 && form[3] == 0.0);
+        assert!((width * 600.0 - 200.0 * 12.0_f32.sqrt()).abs() < 1.0);
+        // And where nothing is hidden, nothing is kept.
+        let (color, form, width) = texel(&all[0], 1);
+        assert!((color[3] - 0.3).abs() < 3e-4 && form[3] == 0.0 && width == 0.0);
     }
 }

@@ -1,8 +1,9 @@
 // A matt base.
 
-fn base_shine(s: Skin, nl: f32) -> vec3f {
-    if nl <= 0.0 {
-        return vec3f(0.0);
-    }
-    return s.base * base_pass(s, nl) * nl;
+fn base_tint(s: Skin, nl: f32) -> vec3f {
+    return s.base * base_pass(s, base_lobe(s, nl));
+}
+
+fn base_lobe(s: Skin, nl: f32) -> f32 {
+    return mean_cosine(s.hidden, nl);
 }

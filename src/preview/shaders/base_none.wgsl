@@ -2,6 +2,10 @@
 
 fn base_view(s: ptr<function, Skin>, albedo: vec3f) {}
 
-fn base_shine(s: Skin, nl: f32) -> vec3f {
+fn base_tint(s: Skin, nl: f32) -> vec3f {
     return vec3f(0.0);
+}
+
+fn base_lobe(s: Skin, nl: f32) -> f32 {
+    return 0.0;
 }

@@ -8,14 +8,14 @@ struct Frame {
     sky_layers: f32,
     // Directions of the view at the corners of the picture: middle, to the right, up.
     forward: vec3f,
-    lamps: u32,
+    suns: u32,
     right: vec3f,
     discs: u32,
     up: vec3f,
-    padding: f32,
-    // Radiance from everywhere, where the environment is even.
+    rectangles: u32,
+    // Mean radiance of the environment.
     even: vec3f,
-    padding_2: f32,
+    padding: f32,
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;

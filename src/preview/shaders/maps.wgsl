@@ -1,4 +1,4 @@
-// The maps of a skin: albedo and roughness; slope of the normal, thickness of the film and how much it varies.
+// The maps of a skin: albedo and roughness; slope of the normal, thickness of the film, and what the mean normal lacks.
 
 // nm of a film whose texel is 1, and three of nothing.
 @group(2) @binding(0) var<uniform> map_scale: vec4f;
@@ -18,7 +18,7 @@ struct Found {
 fn look_up(uv: vec2f) -> Found {
     let color = textureSampleBias(color_map, map_sampler, uv, SHARPER);
     let form = textureSampleBias(form_map, map_sampler, uv, SHARPER);
-    let film = form.zw * map_scale.x;
     let bump = vec3f(form.xy, sqrt(max(1.0 - dot(form.xy, form.xy), 0.0)));
-    return Found(SurfacePoint(color.rgb, color.a, film.x, film.y), bump);
+    let point = SurfacePoint(color.rgb, color.a, form.z * map_scale.x, film_width(uv) * map_scale.x, form.w);
+    return Found(point, bump);
 }

@@ -15,6 +15,6 @@ struct Found {
 }
 
 fn look_up(uv: vec2f) -> Found {
-    let point = SurfacePoint(plain.albedo, plain.roughness, plain.thickness.x, 0.0);
+    let point = SurfacePoint(plain.albedo, plain.roughness, plain.thickness.x, 0.0, 0.0);
     return Found(point, vec3f(0.0, 0.0, 1.0));
 }

@@ -13,6 +13,7 @@ fn shade(v: Varying, @builtin(front_facing) front: bool) -> @location(0) vec4f {
     let facet = select(to_eye, facing, facet_2 > 1e-30);
     let a = shading_axes(v, facet, front, found.bump, to_eye);
     let skin = skin_view(found.point, to_eye * a);
-    let light = lamp_light(skin, v.position, facet, a) + sky_light(skin, facet, a);
+    let lamps = sun_light(skin, v.position, facet, a) + rectangle_light(skin, v.position, facet, a);
+    let light = lamps + sky_light(skin, facet, a);
     return vec4f(min(light, vec3f(BRIGHTEST)), 1.0);
 }

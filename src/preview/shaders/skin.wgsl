@@ -13,6 +13,8 @@ struct SurfacePoint {
     // Thickness of the film, and how much it varies over the pixel.
     thickness_nm: f32,
     spread_nm: f32,
+    // Of normals that vary over the pixel, 1 - the squared length of their mean.
+    hidden: f32,
 }
 
 struct Film {
@@ -25,10 +27,19 @@ struct Skin {
     wo: vec3f,
     roughness: f32,
     film: Film,
+    hidden: f32,
+    // Square of the width of the lobe, that of the normals included.
+    alpha_2: f32,
     // What the base sends to the eye of light that has entered along a direction, per cosine.
     base: vec3f,
     // Part of even light that reaches the base.
     entering: vec3f,
+}
+
+// What a light's colour is multiplied with.
+struct Tints {
+    gloss: vec3f,
+    base: vec3f,
 }
 
 fn skin_view(p: SurfacePoint, wo: vec3f) -> Skin {
@@ -36,6 +47,10 @@ fn skin_view(p: SurfacePoint, wo: vec3f) -> Skin {
     s.wo = wo;
     s.roughness = clamp(p.roughness, LEAST_ROUGHNESS, 1.0);
     s.film = Film(clamp(p.thickness_nm, 0.0, 1e9), max(p.spread_nm, 0.0));
+    s.hidden = clamp(p.hidden, 0.0, 0.99);
+    let alpha = s.roughness * s.roughness;
+    // The variance of slopes, both axes together.
+    s.alpha_2 = min(alpha * alpha + s.hidden / (1.0 - s.hidden), 1.0);
     if wo.z > 0.0 {
         base_view(&s, saturate(p.albedo));
     }
@@ -49,10 +64,22 @@ fn skin_eval(s: Skin, wi: vec3f) -> vec3f {
 
 // The BRDF times the cosine, 1/sr: radiance to the eye per irradiance on a surface that faces the light.
 fn skin_shine(s: Skin, wi: vec3f) -> vec3f {
+    let tints = skin_tints(s, wi);
+    let lobes = skin_lobes(s, wi, 0.0);
+    return tints.gloss * lobes.x + tints.base * lobes.y;
+}
+
+// The same in two parts: colours, which are nearly the same over all of a light, ...
+fn skin_tints(s: Skin, wi: vec3f) -> Tints {
+    return Tints(gloss_tint(s, wi), base_tint(s, wi.z));
+}
+
+// ... and numbers, which are not: of the gloss, whose alpha^2 grows by `spread`, and of the base.
+fn skin_lobes(s: Skin, wi: vec3f, spread: f32) -> vec2f {
     if s.wo.z <= 0.0 {
-        return vec3f(0.0);
+        return vec2f(0.0);
     }
-    return gloss_shine(s, wi) + base_shine(s, wi.z);
+    return vec2f(gloss_lobe(s, wi, spread), base_lobe(s, wi.z));
 }
 
 // Radiance to the eye by light from all around: the base by the irradiance over pi, the gloss by the radiance around the
@@ -66,5 +93,5 @@ fn skin_ambient(s: Skin, irradiance_over_pi: vec3f, prefiltered: vec3f) -> vec3f
 
 // Width of the lobe: `optics::ggx::alpha`.
 fn skin_alpha(s: Skin) -> f32 {
-    return s.roughness * s.roughness;
+    return sqrt(s.alpha_2);
 }

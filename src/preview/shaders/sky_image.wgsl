@@ -6,9 +6,11 @@
 
 fn sky_light(skin: Skin, facet: vec3f, a: Axes) -> vec3f {
     let normal = a[2];
+    // Where normals vary, light is nearer to that from everywhere.
+    let one = sqrt(1.0 - skin.hidden);
     // Of a hemisphere that leans, this share is above the facet.
-    let open = 0.5 + 0.5 * dot(normal, facet);
-    let irradiance = sky_layer(normal, u32(frame.sky_layers)) * open;
+    let open = 0.5 + 0.5 * dot(normal, facet) * one;
+    let irradiance = mix(frame.even, sky_layer(normal, u32(frame.sky_layers)), one) * open;
     let to_eye = a * skin.wo;
     let mirrored = reflect(-to_eye, normal);
     let rough = sqrt(skin_alpha(skin));

@@ -1,5 +1,0 @@
-// No light but the environment's.
-
-fn lamp_light(skin: Skin, position: vec3f, facet: vec3f, a: Axes) -> vec3f {
-    return vec3f(0.0);
-}

@@ -1,0 +1,80 @@
+// Rectangles that shine, each as so many small lights, each of which has a shadow map. Layouts are those of lamps.rs.
+
+struct Rectangle {
+    // Along its sides, and z which way it shines.
+    x: vec3f,
+    // Its first small light, and how many it has.
+    first: u32,
+    y: vec3f,
+    count: u32,
+    z: vec3f,
+    // What the angle of a small light adds to alpha^2, as the lobe is spread by it.
+    spread: f32,
+    center: vec3f,
+    // Size of a texel of a shadow map, in scene units at distance 1.
+    texel: f32,
+    // Radiance times area of each small light.
+    light: vec3f,
+    // Shadow maps across at distance 1.
+    scale: f32,
+    // Depth in shadow maps is x + y/distance.
+    depth: vec2f,
+    padding: vec2f,
+}
+
+struct Rectangles {
+    rectangles: array<Rectangle, 32>,
+    // Small lights: their place on the rectangle, and the middle of the shadow map.
+    places: array<vec4f, 128>,
+}
+
+@group(0) @binding(6) var<uniform> rectangles: Rectangles;
+@group(0) @binding(7) var rectangle_maps: texture_depth_2d_array;
+
+// Texels that a place is lifted off its surface for the test, along the facet.
+const LIFT = 1.5;
+
+fn rectangle_light(skin: Skin, position: vec3f, facet: vec3f, a: Axes) -> vec3f {
+    var sum = vec3f(0.0);
+    let side = f32(textureDimensions(rectangle_maps).x);
+    for (var i = 0u; i < frame.rectangles; i++) {
+        let r = rectangles.rectangles[i];
+        let axes = mat3x3f(r.x, r.y, r.z);
+        // All in the rectangle's own axes: the place, the facet, and the shading frame.
+        let p = (position - r.center) * axes;
+        if p.z <= 0.0 {
+            continue;
+        }
+        let leaning = facet * axes;
+        let start = p + leaning * (LIFT * r.texel * p.z);
+        let to_shading = transpose(a) * axes;
+        // Behind all that casts shadows a map is 1.
+        let depth = min(r.depth.x + r.depth.y / start.z, 1.0);
+        var lobes = vec2f(0.0);
+        var middle = vec3f(0.0);
+        for (var j = r.first; j < r.first + r.count; j++) {
+            let place = rectangles.places[j];
+            let to = vec3f(place.xy - p.xy, -p.z);
+            if dot(leaning, to) > 0.0 {
+                let at = (start.xy - place.xy) / start.z * vec2f(r.scale, -r.scale) + place.zw;
+                // Nothing casts a shadow to outside of the map.
+                let within = all(at > vec2f(0.0)) && all(at < vec2f(1.0));
+                let nearest = textureLoad(rectangle_maps, vec2u(saturate(at) * side * 0.99999), j, 0);
+                if !within || depth <= nearest {
+                    let over = inverseSqrt(dot(to, to));
+                    let direction = to * over;
+                    let cosine = p.z * over;
+                    let share = cosine * over * over;
+                    lobes += skin_lobes(skin, to_shading * direction, r.spread) * share;
+                    middle += direction * share;
+                }
+            }
+        }
+        // One colour for all of it, from the middle of what is seen.
+        if any(lobes > vec2f(0.0)) {
+            let tints = skin_tints(skin, to_shading * normalize(middle));
+            sum += (tints.gloss * lobes.x + tints.base * lobes.y) * r.light;
+        }
+    }
+    return sum;
+}

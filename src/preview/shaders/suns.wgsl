@@ -1,0 +1,49 @@
+// Light from far away: each sun has a shadow map. The layout is that of `Sun` in lamps.rs.
+
+struct Sun {
+    // Unit vector to it.
+    direction: vec3f,
+    // What its angle adds to alpha^2, as the lobe is spread by it.
+    spread: f32,
+    // On a surface that faces it.
+    irradiance: vec3f,
+    // Size of a texel of the shadow map, in scene units.
+    texel: f32,
+    // World to the shadow map.
+    shadow: mat4x4f,
+}
+
+@group(0) @binding(1) var<uniform> suns: array<Sun, 32>;
+@group(0) @binding(2) var sun_maps: texture_depth_2d_array;
+@group(0) @binding(3) var sun_sampler: sampler_comparison;
+
+// Texels that a place is lifted off its surface for the test, along the facet.
+const SUN_LIFT = 1.5;
+
+fn sun_light(skin: Skin, position: vec3f, facet: vec3f, a: Axes) -> vec3f {
+    var sum = vec3f(0.0);
+    for (var i = 0u; i < frame.suns; i++) {
+        let direction = suns[i].direction;
+        if dot(facet, direction) > 0.0 {
+            let reached = sun_reaches(i, position + facet * (SUN_LIFT * suns[i].texel));
+            if reached > 0.0 {
+                let wi = direction * a;
+                let tints = skin_tints(skin, wi);
+                let lobes = skin_lobes(skin, wi, suns[i].spread) * reached;
+                sum += (tints.gloss * lobes.x + tints.base * lobes.y) * suns[i].irradiance;
+            }
+        }
+    }
+    return sum;
+}
+
+// The share of a sun's light that reaches a place.
+fn sun_reaches(i: u32, position: vec3f) -> f32 {
+    let p = suns[i].shadow * vec4f(position, 1.0);
+    let at = vec3f(0.5 + 0.5 * p.x, 0.5 - 0.5 * p.y, min(p.z, 1.0));
+    // Nothing casts a shadow to outside of the map.
+    if any(at.xy <= vec2f(0.0)) || any(at.xy >= vec2f(1.0)) {
+        return 1.0;
+    }
+    return textureSampleCompareLevel(sun_maps, sun_sampler, at.xy, i, at.z);
+}
