@@ -90,8 +90,8 @@ pub(super) struct Lamps {
 }
 
 impl Lamps {
-    /// The lights of a scene; each rectangle becomes `per_rectangle` small ones, shadow maps of suns and of rectangles have
-    /// so many texels a side and hold what `casters` has.
+    /// The lights of a scene; each rectangle becomes `per_rectangle` small ones, or as many as there is room for. Shadow
+    /// maps of suns and of rectangles have so many texels a side and hold what `casters` has.
     ///
     /// # Errors
     /// If there are too many lights.
@@ -101,12 +101,13 @@ impl Lamps {
         per_rectangle: usize,
         [sun_size, rectangle_size]: [u32; 2],
     ) -> Result<Self, PreviewError> {
-        let most = |what, needed: usize, most: usize| {
-            let too_large = PreviewError::TooLarge { what, needed: needed as u64, most: most as u64 };
-            if needed > most { Err(too_large) } else { Ok(()) }
-        };
-        most("the number of lights", scene.lights.len(), MOST_LAMPS)?;
+        let (needed, most) = (scene.lights.len() as u64, MOST_LAMPS as u64);
+        if needed > most {
+            return Err(PreviewError::TooLarge { what: "the number of lights", needed, most });
+        }
         let mut all = Self::default();
+        let rectangles = scene.lights.iter().filter(|l| matches!(l, Light::Area { .. })).count();
+        let per_rectangle = per_rectangle.clamp(1, MOST_PLACES / rectangles.max(1));
         let [sun_texels, rectangle_texels] = [sun_size, rectangle_size].map(|size| size.max(1) as f32);
         for light in &scene.lights {
             match *light {
@@ -124,7 +125,7 @@ impl Lamps {
                     all.discs.extend(Disc::new(light));
                 }
                 Light::Area { center, u, v, radiance } => {
-                    let count = per_rectangle.max(1);
+                    let count = per_rectangle;
                     let area = 4.0 * u.cross(v).length() / count as f32;
                     let x = u.normalize_or(Vec3::X);
                     let z = u.cross(v).normalize_or(Vec3::Z);
@@ -175,7 +176,6 @@ impl Lamps {
                 }
             }
         }
-        most("the number of small lights that rectangles become", all.places.len(), MOST_PLACES)?;
         Ok(all)
     }
 
