@@ -66,7 +66,7 @@
 //! | `report` | what every shortcut costs: errors against times, as a page (feature `render`) | `optics` `scene` `reference` |
 //! | `cli` | the command (feature `cli`); imported by nothing | all of them |
 //!
-//! Files are touched in `io` and `cli` only, the environment in `cli`, a clock in `cli`, `report` and `eval::trace`. `cli`
+//! Files are touched in `io` and `cli` only, the environment in `cli`, a clock in `cli` and `report`. `cli`
 //! makes the threads; every other room works on the rayon pool that calls it. `preview` asks drivers.
 //!
 //! # Where things are decided

@@ -10,6 +10,7 @@
 //! | [`simd`] | run-time dispatch that can be forced, with equal bits at every level |
 //! | [`color`] | linear and sRGB colour as different types, Oklab, HSL |
 //! | [`params`] | settings held against the ranges that their struct declares |
+//! | [`watch`] | telling what is at work, without a clock |
 //! | [`MapKind`] | the maps a texture set can hold |
 
 pub mod color;
@@ -21,6 +22,7 @@ pub mod params;
 pub mod plane;
 pub mod sdf;
 pub mod simd;
+pub mod watch;
 
 pub use color::{LinearRgb, Srgb8};
 pub use domain::Domain;

@@ -4,20 +4,21 @@ use std::collections::BTreeMap;
 use std::io::Write as _;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
-
-use rayon::prelude::*;
 
 use super::args::{self, CompressArg, ExrCompressArg, Format, Generate, MapsArg, NormalArg};
 use super::exit::{Exit, Failure};
 use super::load::Preset;
 use super::progress::Progress;
+use super::trace::{self, Recorder, Stats};
 use super::{memory, render, signal};
+use crate::base::watch::Watch;
 use crate::base::{Domain, MapKind};
 use crate::eval::{self, Control};
 use crate::graph::{self, Graph};
 use crate::io::{ExrCompression, ManifestEntry, Output, PngCompression, SetWriter, Staged, WriteOptions};
-use crate::maps::{MapImage, NormalFormat, SetId, assemble};
+use crate::maps::{MapImage, NormalFormat, SetId};
 use crate::plan::{Plan, PlanError};
 
 /// Make every set. All presets are read, checked and planned before the first file is written.
@@ -29,23 +30,35 @@ pub(super) fn run(args: &Generate) -> Result<Exit, Failure> {
     let pool = pool(args.threads)?;
     let stop = signal::stop_flag();
     let progress = Progress::new(args.quiet);
+    let recorder = (args.stats || args.trace.is_some()).then(Recorder::new);
+    let mut times = Vec::new();
     let mut number = 0;
     for job in &jobs {
         let seeds = match &args.seeds {
             Some(seeds) => seeds.0.clone(),
             None => job.graph.seed..job.graph.seed.saturating_add(1),
         };
-        let work = Work { args, options: &options, wanted: &job.wanted, budget, stop, progress: &progress };
+        let watch = recorder.as_ref().map(|recorder| recorder as &dyn Watch);
+        let shared =
+            Shared { args, options: &options, wanted: &job.wanted, budget, stop, progress: &progress, watch };
         for seed in seeds {
             number += 1;
             let graph = job.graph.clone().with_seed(seed);
             let name = &graph.name;
             progress.start(if count > 1 { format!("{number}/{count} {name}") } else { name.clone() });
-            let made = pool.install(|| work.set(&graph))?;
+            let begin = watch.map_or(0, |watch| watch.begin());
+            let made = pool.install(|| shared.set(&graph))?;
+            let set = recorder.as_ref().map(|r| r.set(format!("{name} seed {seed}"), begin));
+            let stats = set.as_ref().filter(|_| args.stats).map(|set| set.stats(&made.plan, &made.files));
+            // Of a long run only a trace wants every piece.
+            times.extend(set.filter(|_| args.trace.is_some()));
             if args.json || !args.quiet {
-                progress.suspend(|| report(args, &made))?;
+                progress.suspend(|| report(args, &made, stats.as_ref()))?;
             }
         }
+    }
+    if let Some(path) = &args.trace {
+        trace::write(path, &times)?;
     }
     Ok(Exit::Done)
 }
@@ -165,25 +178,26 @@ pub(super) fn pool(threads: Option<u16>) -> Result<rayon::ThreadPool, Failure> {
 }
 
 /// What every set of a run shares.
-struct Work<'a> {
+struct Shared<'a> {
     args: &'a Generate,
     options: &'a WriteOptions,
     wanted: &'a [MapKind],
     budget: Option<u64>,
     stop: &'a AtomicBool,
     progress: &'a Progress,
+    watch: Option<&'a dyn Watch>,
 }
 
 /// A set that is written.
 struct Made {
     set: SetId,
     files: Vec<ManifestEntry>,
-    peak_bytes: u64,
+    plan: Plan,
     evaluate_ms: f64,
     write_ms: f64,
 }
 
-impl Work<'_> {
+impl Shared<'_> {
     fn set(&self, graph: &Graph) -> Result<Made, Failure> {
         let domain = self.args.size.domain(graph.girth_mm, graph.length_mm);
         let plan = plan(graph, self.wanted, domain, self.budget)?;
@@ -196,17 +210,37 @@ impl Work<'_> {
         };
         // Names and directory are refused before the work is done.
         let writer =
-            SetWriter::new(&self.args.output, id.clone(), self.wanted.iter().copied(), self.options)?;
+            SetWriter::new(&self.args.output, id.clone(), self.wanted.iter().copied(), self.options)?
+                .watched_by(self.watch);
         let start = Instant::now();
         let show = |share: f32, step: &str| self.progress.evaluated(share, step);
-        let control = Control { cancel: Some(self.stop), progress: Some(&show) };
-        let evaluation = eval::run(&plan, control).map_err(|_| interrupted())?;
-        let peak_bytes = plan.peak_bytes;
-        let evaluate_ms = ms(start);
+        let control = Control { cancel: Some(self.stop), progress: Some(&show), watch: self.watch };
+        let written = Written { shared: self, writer: &writer, count: self.files(), done: Mutex::default() };
+        // A map is encoded and written while the next one is computed, and its planes are given back then.
+        let evaluate_ms = rayon::in_place_scope(|scope| {
+            let ready = |kind, planes| {
+                for (i, image) in
+                    with_normals(MapImage::of(kind, planes), self.args.normal).into_iter().enumerate()
+                {
+                    let written = &written;
+                    scope.spawn(move |_| written.write((kind, i), image));
+                }
+            };
+            eval::run_each(&plan, control, ready).map(|()| ms(start)).map_err(|_| interrupted())
+        })?;
         let start = Instant::now();
-        let set = assemble(evaluation, id.clone());
-        let files = self.write(writer, set.maps)?;
-        Ok(Made { set: id, files, peak_bytes, evaluate_ms, write_ms: ms(start) })
+        let staged = written.finish()?;
+        if self.stop.load(Ordering::Relaxed) {
+            return Err(interrupted());
+        }
+        let files = writer.finish(staged)?;
+        Ok(Made { set: id, files, plan, evaluate_ms, write_ms: ms(start) })
+    }
+
+    /// Files of a set, but for one of all maps.
+    fn files(&self) -> usize {
+        let both = self.args.normal == NormalArg::Both && self.wanted.contains(&MapKind::Normal);
+        (self.wanted.len() + usize::from(both)) * self.options.outputs.len()
     }
 
     /// Integers hold the map's range only: tell what lies outside of it.
@@ -224,66 +258,71 @@ impl Work<'_> {
             self.progress.suspend(|| render::warning(&message, &help));
         }
     }
+}
 
-    fn write(
-        &self,
-        writer: SetWriter<'_>,
-        maps: BTreeMap<MapKind, MapImage>,
-    ) -> Result<Vec<ManifestEntry>, Failure> {
-        let images = with_normals(maps.into_values(), self.args.normal);
-        let count = images.len() * self.options.outputs.len();
-        let staged: Vec<Result<Vec<Staged>, Failure>> = images
-            .par_iter()
-            .with_max_len(1)
-            .map(|map| {
-                if self.stop.load(Ordering::Relaxed) {
-                    return Err(interrupted());
-                }
-                let staged = writer.write_map(map)?;
-                for file in &staged {
-                    self.progress.written(&file.entry().file, count);
-                }
-                Ok(staged)
-            })
-            .collect();
-        let mut files = Vec::new();
-        let mut told = None;
-        for (map, staged) in images.iter().zip(staged) {
-            let staged = staged?;
-            let extremes = staged.iter().find_map(Staged::extremes);
-            // Both normals say the same.
-            if let Some(extremes) = extremes.filter(|_| told != Some(map.kind)) {
-                told = Some(map.kind);
-                self.warn_of_clipping(map, extremes);
-            }
-            files.extend(staged);
-        }
-        // Layers have one normal map: the first.
-        let mut layers: Vec<&MapImage> = images.iter().collect();
-        layers.dedup_by_key(|map| map.kind);
-        files.extend(writer.write_layers(&layers)?);
-        if self.stop.load(Ordering::Relaxed) {
+/// A map of a set: its kind, and which of its forms.
+type Place = (MapKind, usize);
+
+/// The files of a set, as its maps become ready.
+struct Written<'a> {
+    shared: &'a Shared<'a>,
+    writer: &'a SetWriter<'a>,
+    count: usize,
+    done: Mutex<BTreeMap<Place, Result<Done, Failure>>>,
+}
+
+/// A map that is written aside.
+struct Done {
+    files: Vec<Staged>,
+    /// Kept where a file of all maps is still to be written.
+    image: Option<MapImage>,
+}
+
+impl Written<'_> {
+    fn write(&self, place: Place, image: MapImage) {
+        let done = self.write_one(place, image);
+        self.done.lock().unwrap_or_else(PoisonError::into_inner).insert(place, done);
+    }
+
+    fn write_one(&self, (_, form): Place, image: MapImage) -> Result<Done, Failure> {
+        let shared = self.shared;
+        if shared.stop.load(Ordering::Relaxed) {
             return Err(interrupted());
         }
-        Ok(writer.finish(files)?)
+        let files = self.writer.write_map(&image)?;
+        for file in &files {
+            shared.progress.written(&file.entry().file, self.count);
+        }
+        // Both normals say the same, and layers have one normal map: the first.
+        if let (0, Some(extremes)) = (form, files.iter().find_map(Staged::extremes)) {
+            shared.warn_of_clipping(&image, extremes);
+        }
+        let layered = form == 0 && shared.options.outputs.contains(&Output::ExrLayers);
+        Ok(Done { files, image: layered.then_some(image) })
+    }
+
+    /// All files, and the one of all maps; the first error in the order of the maps.
+    fn finish(self) -> Result<Vec<Staged>, Failure> {
+        let (mut files, mut images) = (Vec::new(), Vec::new());
+        for done in self.done.into_inner().unwrap_or_else(PoisonError::into_inner).into_values() {
+            let done = done?;
+            files.extend(done.files);
+            images.extend(done.image);
+        }
+        let layers: Vec<&MapImage> = images.iter().collect();
+        files.extend(self.writer.write_layers(&layers)?);
+        Ok(files)
     }
 }
 
-/// The maps to write: normals as asked for.
-fn with_normals(maps: impl Iterator<Item = MapImage>, normal: NormalArg) -> Vec<MapImage> {
-    let mut images = Vec::new();
-    for map in maps {
-        match normal {
-            _ if map.kind != MapKind::Normal => images.push(map),
-            NormalArg::Gl => images.push(map),
-            NormalArg::Dx => images.push(map.to_normal_format(NormalFormat::Dx)),
-            NormalArg::Both => {
-                images.push(map.clone());
-                images.push(map.to_normal_format(NormalFormat::Dx));
-            }
-        }
+/// The forms of a map that are written: of normals those asked for.
+fn with_normals(map: MapImage, normal: NormalArg) -> Vec<MapImage> {
+    match normal {
+        _ if map.kind != MapKind::Normal => vec![map],
+        NormalArg::Gl => vec![map],
+        NormalArg::Dx => vec![map.to_normal_format(NormalFormat::Dx)],
+        NormalArg::Both => vec![map.clone(), map.to_normal_format(NormalFormat::Dx)],
     }
-    images
 }
 
 fn interrupted() -> Failure {
@@ -298,14 +337,14 @@ fn ms(start: Instant) -> f64 {
     (start.elapsed().as_secs_f64() * 1e6).round() / 1e3
 }
 
-fn report(args: &Generate, made: &Made) -> Result<(), Failure> {
+fn report(args: &Generate, made: &Made, stats: Option<&Stats>) -> Result<(), Failure> {
     let Made { set, files, .. } = made;
     let bytes: u64 = files.iter().map(|f| f.bytes).sum();
     let (width, height) = (set.domain.width, set.domain.height);
     let mut out = anstream::stdout();
     if args.json {
         let hash: String = set.preset_hash.iter().map(|b| format!("{b:02x}")).collect();
-        let object = serde_json::json!({
+        let mut object = serde_json::json!({
             "preset": set.preset,
             "seed": set.seed,
             "size": [width, height],
@@ -313,10 +352,13 @@ fn report(args: &Generate, made: &Made) -> Result<(), Failure> {
             "preset_blake3": hash,
             "directory": directory(&args.output),
             "bytes": bytes,
-            "peak_bytes": made.peak_bytes,
+            "peak_bytes": made.plan.peak_bytes,
             "ms": { "evaluate": made.evaluate_ms, "write": made.write_ms },
             "files": files,
         });
+        if let Some(stats) = stats {
+            object["stats"] = serde_json::json!(stats);
+        }
         writeln!(out, "{object}")?;
         return Ok(());
     }
@@ -330,6 +372,9 @@ fn report(args: &Generate, made: &Made) -> Result<(), Failure> {
         (made.evaluate_ms + made.write_ms) * 1e-3,
         directory(&args.output)
     )?;
+    if let Some(stats) = stats {
+        writeln!(out, "\n{stats}")?;
+    }
     Ok(())
 }
 

@@ -24,6 +24,7 @@ mod report;
 mod schema;
 mod signal;
 mod stage;
+mod trace;
 mod verify;
 
 use clap::Parser as _;

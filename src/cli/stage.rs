@@ -139,7 +139,7 @@ impl Skin {
         let domain = source.size.domain(graph.girth_mm, graph.length_mm);
         let plan = generate::plan(&graph, &wanted, domain, memory::budget(None))?;
         let told = |share: f32, step: &str| progress.share(share, step);
-        let control = Control { cancel: Some(stop), progress: Some(&told) };
+        let control = Control { cancel: Some(stop), progress: Some(&told), watch: None };
         let evaluation =
             pool.install(|| eval::run(&plan, control)).map_err(|_| Failure::Told(Exit::Interrupted))?;
         let id = SetId {

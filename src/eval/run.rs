@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use rayon::prelude::*;
 
-use super::trace::{Stopwatch, Trace};
+use crate::base::watch::{Watch, Watched, Work};
 use crate::base::{MapKind, Plane, Rows};
 use crate::node::{Cx, Inputs, Outputs, Prepared};
 use crate::plan::{Home, LaneSource, Plan, Stage, Step};
@@ -24,8 +24,6 @@ pub struct MapPlanes {
 pub struct Evaluation {
     /// The wanted maps.
     pub maps: BTreeMap<MapKind, MapPlanes>,
-    /// Time by step.
-    pub trace: Trace,
 }
 
 /// The caller asked to stop.
@@ -43,6 +41,8 @@ pub struct Control<'a> {
     pub cancel: Option<&'a AtomicBool>,
     /// Called with the share of the planned cost that is done, in [0, 1], and the name of a step at work.
     pub progress: Option<OnProgress<'a>>,
+    /// Told of every piece of work.
+    pub watch: Option<&'a dyn Watch>,
 }
 
 impl Control<'_> {
@@ -56,11 +56,61 @@ impl Control<'_> {
 /// # Errors
 /// [`Cancelled`] if the caller's flag was set.
 pub fn run(plan: &Plan, control: Control<'_>) -> Result<Evaluation, Cancelled> {
+    let mut maps = BTreeMap::new();
+    run_each(plan, control, |kind, planes| drop(maps.insert(kind, planes)))?;
+    Ok(Evaluation { maps })
+}
+
+/// As [`run`], handing each map out as soon as nothing reads its planes any more: while it is encoded and written, the
+/// next is computed. `ready` is called by the calling thread, between stages.
+///
+/// # Errors
+/// [`Cancelled`] if the caller's flag was set.
+pub fn run_each(
+    plan: &Plan,
+    control: Control<'_>,
+    mut ready: impl FnMut(MapKind, MapPlanes),
+) -> Result<(), Cancelled> {
     let mut runner = Runner::new(plan, control);
-    for stage in &plan.stages {
+    let of_stage = handed_out(plan);
+    for (stage, kinds) in plan.stages.iter().zip(&of_stage) {
         runner.stage(stage)?;
+        for &kind in kinds {
+            ready(kind, runner.hand_out(kind));
+        }
     }
-    Ok(runner.finish())
+    // Maps that are one number took no stage.
+    for &kind in plan.maps.keys().filter(|kind| !of_stage.iter().flatten().any(|k| k == *kind)) {
+        ready(kind, runner.hand_out(kind));
+    }
+    Ok(())
+}
+
+/// The maps whose lanes are all written, and read by no later stage, after each stage.
+fn handed_out(plan: &Plan) -> Vec<Vec<MapKind>> {
+    let mut last_use = vec![0; plan.homes.len()];
+    for (k, stage) in plan.stages.iter().enumerate() {
+        for pass in stage.whole.iter().chain(&stage.rows).flat_map(|&s| &plan.steps[s].passes) {
+            let read = pass.inputs.iter().filter_map(lane_of);
+            for lane in read.chain(pass.outputs.iter().flatten().copied()) {
+                last_use[lane] = k;
+            }
+        }
+    }
+    let mut of_stage = vec![Vec::new(); plan.stages.len()];
+    for (&kind, map) in &plan.maps {
+        if let Some(k) = map.lanes.iter().filter_map(lane_of).map(|lane| last_use[lane]).max() {
+            of_stage[k].push(kind);
+        }
+    }
+    of_stage
+}
+
+fn lane_of(source: &LaneSource) -> Option<usize> {
+    match source {
+        LaneSource::Lane(id) => Some(*id),
+        LaneSource::Const(_) => None,
+    }
 }
 
 struct Runner<'a> {
@@ -69,7 +119,8 @@ struct Runner<'a> {
     planes: Vec<Option<Plane>>,
     pool: Vec<Vec<f32>>,
     prepared: Vec<Option<Prepared>>,
-    watch: Stopwatch,
+    /// Maps that are still to show each lane.
+    shown_by: BTreeMap<usize, usize>,
     total_cost: f32,
     done_cost: AtomicU64,
 }
@@ -97,13 +148,17 @@ impl ConstantRows {
 
 impl<'a> Runner<'a> {
     fn new(plan: &'a Plan, control: Control<'a>) -> Self {
+        let mut shown_by = BTreeMap::new();
+        for lane in plan.maps.values().flat_map(|m| &m.lanes).filter_map(lane_of) {
+            *shown_by.entry(lane).or_default() += 1;
+        }
         Self {
             plan,
             control,
+            shown_by,
             planes: vec![None; plan.homes.len()],
             pool: Vec::new(),
             prepared: plan.steps.iter().map(|_| None).collect(),
-            watch: Stopwatch::new(plan.steps.len()),
             total_cost: plan.steps.iter().map(Step::cost_ns).sum::<f32>().max(1e-9),
             done_cost: AtomicU64::new(0),
         }
@@ -137,12 +192,18 @@ impl<'a> Runner<'a> {
         }
     }
 
+    /// A piece of work of a step.
+    fn node<T>(&self, s: usize, piece: impl FnOnce() -> T) -> T {
+        let step = Watched { name: &self.plan.steps[s].name, by: self.control.watch };
+        step.piece(Work::Node, piece)
+    }
+
     fn stage(&mut self, stage: &Stage) -> Result<(), Cancelled> {
         if self.control.cancelled() {
             return Err(Cancelled);
         }
         for &s in stage.whole.iter().chain(&stage.rows) {
-            let prepared = self.watch.time(s, || self.plan.steps[s].node.prepare(&self.cx(s)));
+            let prepared = self.node(s, || self.plan.steps[s].node.prepare(&self.cx(s)));
             self.prepared[s] = prepared;
         }
         for &s in &stage.whole {
@@ -182,7 +243,7 @@ impl<'a> Runner<'a> {
                 .collect();
             let slices = outputs.iter_mut().map(|p| p.as_mut().map(|p| p.data_mut())).collect();
             let mut outs = Outputs::new(&step.output_offsets, slices, width, 0);
-            self.watch.time(s, || {
+            self.node(s, || {
                 let ins = Inputs::new(&step.input_offsets, &lanes);
                 step.node.eval(&self.cx(s), 0..height as i64, &ins, &mut outs);
             });
@@ -297,7 +358,7 @@ impl<'a> Runner<'a> {
                 })
                 .collect();
             let mut outs = Outputs::new(&step.output_offsets, slices, width, first as i64);
-            self.watch.time(s, || {
+            self.node(s, || {
                 let ins = Inputs::new(&step.input_offsets, &lanes);
                 step.node.eval(&self.cx(s), first as i64..(first + rows) as i64, &ins, &mut outs);
             });
@@ -311,35 +372,26 @@ impl<'a> Runner<'a> {
         }
     }
 
-    fn finish(mut self) -> Evaluation {
+    /// The planes of a map. Two maps may show the same lane: the last one takes the plane, earlier ones a copy.
+    fn hand_out(&mut self, kind: MapKind) -> MapPlanes {
         let (w, h) = (self.plan.domain.width, self.plan.domain.height);
-        let mut maps = BTreeMap::new();
-        // Two maps may show the same lane: the last one takes the plane, earlier ones a copy.
-        let mut readers: BTreeMap<usize, usize> = BTreeMap::new();
-        for source in self.plan.maps.values().flat_map(|m| &m.lanes) {
-            if let LaneSource::Lane(id) = source {
-                *readers.entry(*id).or_default() += 1;
-            }
+        let map = &self.plan.maps[&kind];
+        let mut planes = Vec::with_capacity(map.lanes.len());
+        for source in &map.lanes {
+            planes.push(match source {
+                LaneSource::Const(v) => Plane::filled(w, h, *v),
+                LaneSource::Lane(id) => {
+                    let left = self.shown_by.get_mut(id);
+                    let last = left.is_none_or(|n| {
+                        *n -= 1;
+                        *n == 0
+                    });
+                    let plane = if last { self.planes[*id].take() } else { self.planes[*id].clone() };
+                    plane.expect("a map's lane is a plane and was written")
+                }
+            });
         }
-        for (&kind, map) in &self.plan.maps {
-            let mut planes = Vec::new();
-            for source in &map.lanes {
-                planes.push(match source {
-                    LaneSource::Const(v) => Plane::filled(w, h, *v),
-                    LaneSource::Lane(id) => {
-                        let left = readers.get_mut(id);
-                        let last = left.is_none_or(|n| {
-                            *n -= 1;
-                            *n == 0
-                        });
-                        let plane = if last { self.planes[*id].take() } else { self.planes[*id].clone() };
-                        plane.expect("a map's lane is a plane and was written")
-                    }
-                });
-            }
-            maps.insert(kind, MapPlanes { planes, range: map.range });
-        }
-        Evaluation { maps, trace: self.watch.trace(&self.plan.steps) }
+        MapPlanes { planes, range: map.range }
     }
 }
 

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 
 use super::{IoError, Problem};
+use crate::base::watch::{Watched, Work};
 
 /// Start of the name of a file that is being written; one that is left was interrupted by a crash.
 const PREFIX: &str = ".ophidian-";
@@ -31,6 +32,15 @@ impl Aside {
         path: PathBuf,
         write: impl FnOnce(&mut BufWriter<&mut File>) -> Result<(), Problem>,
     ) -> Result<Self, IoError> {
+        Self::write_watched(path, Watched { name: "", by: None }, write)
+    }
+
+    /// As [`Aside::write`], telling of the last write and the hash; `write` tells of the rest.
+    pub(super) fn write_watched(
+        path: PathBuf,
+        watched: Watched<'_>,
+        write: impl FnOnce(&mut BufWriter<&mut File>) -> Result<(), Problem>,
+    ) -> Result<Self, IoError> {
         let done = || -> Result<_, Problem> {
             if path.is_dir() {
                 return Err(Problem::IsADirectory);
@@ -38,9 +48,11 @@ impl Aside {
             let mut temp = create(path.parent().unwrap_or(Path::new("")))?;
             let mut buffered = BufWriter::with_capacity(1 << 18, temp.as_file_mut());
             write(&mut buffered)?;
-            buffered.flush()?;
+            let (bytes, blake3) = watched.piece(Work::Write, || -> std::io::Result<_> {
+                buffered.flush()?;
+                hash(buffered.get_mut())
+            })?;
             drop(buffered);
-            let (bytes, blake3) = hash(temp.as_file_mut())?;
             Ok((temp, bytes, blake3))
         };
         match done() {

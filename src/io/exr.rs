@@ -22,6 +22,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::Problem;
+use crate::base::watch::{Watched, Work};
 use crate::base::{MapKind, Plane};
 use crate::maps::MapImage;
 
@@ -178,6 +179,7 @@ pub(super) fn write(
     maps: &[&MapImage],
     layered: bool,
     options: &ExrOptions,
+    watched: Watched<'_>,
     out: impl Write + Seek,
 ) -> Result<(), Problem> {
     let layout = Layout::new(maps, layered, options)?;
@@ -187,11 +189,14 @@ pub(super) fn write(
         for indices in indices.chunks(batch) {
             let chunks: Vec<_> = indices
                 .par_iter()
-                .map(|&(i, index)| layout.block(index).compress_to_chunk(&meta.headers).map(|c| (i, c)))
+                .map(|&(i, index)| {
+                    let chunk = || layout.block(index).compress_to_chunk(&meta.headers);
+                    watched.piece(Work::Encode, chunk).map(|chunk| (i, chunk))
+                })
                 .collect();
             for chunk in chunks {
                 let (i, chunk) = chunk?;
-                writer.write_chunk(i, chunk)?;
+                watched.piece(Work::Write, || writer.write_chunk(i, chunk))?;
             }
         }
         Ok(())
@@ -267,7 +272,7 @@ mod tests {
 
     fn encode(maps: &[&MapImage], layered: bool, options: &ExrOptions) -> Vec<u8> {
         let mut bytes = Cursor::new(Vec::new());
-        write(maps, layered, options, &mut bytes).unwrap();
+        write(maps, layered, options, Watched { name: "", by: None }, &mut bytes).unwrap();
         bytes.into_inner()
     }
 

@@ -249,7 +249,8 @@ mod tests {
         let map = MapImage::new(kind, vec![plane; kind.channels()]);
         let mut bytes = Cursor::new(Vec::new());
         let options = ExrOptions { samples: [(kind, ExrSample::Float)].into(), ..ExrOptions::default() };
-        exr::write(&[&map], false, &options, &mut bytes).unwrap();
+        exr::write(&[&map], false, &options, crate::base::watch::Watched { name: "", by: None }, &mut bytes)
+            .unwrap();
         (map, bytes.into_inner())
     }
 
@@ -344,7 +345,8 @@ mod tests {
     fn damaged_files_never_panic() {
         let (map, exr) = exr_of(MapKind::Height, 24);
         let mut png = Vec::new();
-        png::write(&map, &EncodeOptions::default(), png::PngCompression::Fast, &mut png).unwrap();
+        let nobody = crate::base::watch::Watched { name: "", by: None };
+        png::write(&map, &EncodeOptions::default(), png::PngCompression::Fast, nobody, &mut png).unwrap();
         let dir = tempfile::tempdir().unwrap();
         let path = dir.path().join("a");
         let mut refused = 0;

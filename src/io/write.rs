@@ -15,6 +15,7 @@ use super::{
     png,
 };
 use crate::base::MapKind;
+use crate::base::watch::{Watch, Watched};
 use crate::maps::{Depth, EncodeOptions, MapImage, MapTold, Quantiser, SetId, TextureSet};
 
 /// What files a set becomes.
@@ -86,6 +87,7 @@ pub struct SetWriter<'a> {
     dir: PathBuf,
     set: SetId,
     options: &'a WriteOptions,
+    watch: Option<&'a dyn Watch>,
 }
 
 impl<'a> SetWriter<'a> {
@@ -123,7 +125,12 @@ impl<'a> SetWriter<'a> {
             Err(IoError { problem: Problem::NotFound, .. }) | Ok(_) => {}
             Err(error) => return Err(error),
         }
-        Ok(Self { dir: dir.to_owned(), set, options })
+        Ok(Self { dir: dir.to_owned(), set, options, watch: None })
+    }
+
+    /// The same, telling of every piece of work.
+    pub fn watched_by(self, watch: Option<&'a dyn Watch>) -> Self {
+        Self { watch, ..self }
     }
 
     /// Write one map aside, in every format that has a file per map.
@@ -174,12 +181,13 @@ impl<'a> SetWriter<'a> {
             .map_err(|e| Problem::from(e).at(&self.dir))?;
         let path = self.dir.join(&file);
         let mut told = None;
-        let mut aside = Aside::write(path, |out| match output {
+        let watched = Watched { name: &file, by: self.watch };
+        let mut aside = Aside::write_watched(path, watched, |out| match output {
             Output::Png => {
-                told = Some(png::write(maps[0], &options.encode, options.png, out)?);
+                told = Some(png::write(maps[0], &options.encode, options.png, watched, out)?);
                 Ok(())
             }
-            Output::Exr | Output::ExrLayers => exr::write(maps, layered, &options.exr, out),
+            Output::Exr | Output::ExrLayers => exr::write(maps, layered, &options.exr, watched, out),
         })?;
         if options.verify {
             aside = aside.verify(|file| match output {

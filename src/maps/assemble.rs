@@ -2,13 +2,11 @@
 
 use super::{MapImage, NormalFormat, SetId, TextureSet};
 use crate::base::MapKind;
-use crate::eval::Evaluation;
+use crate::eval::{Evaluation, MapPlanes};
 
 /// The set of an evaluation's maps, each with the range that its preset gives. Normals are OpenGL's.
 pub fn assemble(evaluation: Evaluation, set: SetId) -> TextureSet {
-    let map = |(kind, planes): (MapKind, crate::eval::MapPlanes)| {
-        (kind, MapImage::in_range(kind, planes.planes, planes.range))
-    };
+    let map = |(kind, planes)| (kind, MapImage::of(kind, planes));
     TextureSet {
         domain: set.domain,
         maps: evaluation.maps.into_iter().map(map).collect(),
@@ -20,6 +18,14 @@ pub fn assemble(evaluation: Evaluation, set: SetId) -> TextureSet {
 }
 
 impl MapImage {
+    /// A map as it was evaluated, with the range that its preset gives. Normals are OpenGL's.
+    ///
+    /// # Panics
+    /// If there are not `kind.channels()` planes: a broken invariant of the caller.
+    pub fn of(kind: MapKind, planes: MapPlanes) -> Self {
+        Self::in_range(kind, planes.planes, planes.range)
+    }
+
     /// The same normals with green pointing as `format` says; any other map as it is.
     pub fn to_normal_format(mut self, format: NormalFormat) -> Self {
         if self.normal_format.is_some_and(|own| own != format) {

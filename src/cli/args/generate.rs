@@ -72,6 +72,12 @@ pub(in crate::cli) struct Generate {
     /// Read every file back and compare before it takes its name.
     #[arg(long)]
     pub(in crate::cli) verify: bool,
+    /// Write where the time went, by thread, as a trace that ui.perfetto.dev opens.
+    #[arg(long, value_name = "FILE")]
+    pub(in crate::cli) trace: Option<PathBuf>,
+    /// Print the times of every node and file of each set.
+    #[arg(long)]
+    pub(in crate::cli) stats: bool,
     /// Print nothing but problems.
     #[arg(short, long)]
     pub(in crate::cli) quiet: bool,

@@ -19,6 +19,7 @@ use serde::{Deserialize, Serialize};
 use self::strip::{Scratch, Strip};
 use super::Problem;
 use crate::base::MapKind;
+use crate::base::watch::{Watched, Work};
 use crate::maps::{Depth, EncodeOptions, MapImage, MapTold, Quantiser};
 
 /// How much time is spent to make PNG files smaller; all are lossless.
@@ -50,6 +51,7 @@ pub(super) fn write(
     map: &MapImage,
     options: &EncodeOptions,
     compression: PngCompression,
+    watched: Watched<'_>,
     out: impl Write,
 ) -> Result<MapTold, Problem> {
     let (width, height) = (map.width(), map.height());
@@ -77,13 +79,16 @@ pub(super) fn write(
             .par_iter()
             .with_max_len(1)
             .map_init(Scratch::default, |scratch, &first| {
-                strip::encode(map, &quantiser, compression, first, scratch)
+                let strip = || strip::encode(map, &quantiser, compression, first, scratch);
+                watched.piece(Work::Encode, strip)
             })
             .collect();
         for strip in strips {
             let strip = strip?;
             if !told.is_empty() {
-                writer.write_chunk(::png::chunk::IDAT, &chunk).map_err(problem)?;
+                watched
+                    .piece(Work::Write, || writer.write_chunk(::png::chunk::IDAT, &chunk))
+                    .map_err(problem)?;
                 chunk.clear();
             }
             adler = zlib_rs::adler32::adler32_combine(adler, strip.adler, strip.length);
@@ -138,12 +143,13 @@ mod tests {
     use std::io::{Seek as _, SeekFrom};
     use zune_png::zune_core::{bytestream::ZCursor, result::DecodingResult};
 
+    const NOBODY: Watched<'_> = Watched { name: "", by: None };
     const LEVELS: [PngCompression; 3] =
         [PngCompression::Fast, PngCompression::Balanced, PngCompression::Small];
 
     fn encode_at(level: PngCompression, map: &MapImage, options: &EncodeOptions) -> Vec<u8> {
         let mut bytes = Vec::new();
-        write(map, options, level, &mut bytes).unwrap();
+        write(map, options, level, NOBODY, &mut bytes).unwrap();
         bytes
     }
 
@@ -291,7 +297,7 @@ mod tests {
     fn what_is_found_out_in_passing_is_what_a_pass_of_its_own_finds() {
         let map = wavy(MapKind::Height, 333, 222).with_range([0.2, 0.7]);
         let options = EncodeOptions::default();
-        let told = write(&map, &options, PngCompression::Fast, std::io::sink()).unwrap();
+        let told = write(&map, &options, PngCompression::Fast, NOBODY, std::io::sink()).unwrap();
         assert_eq!(told.error, crate::maps::quantisation_error(&map, &options));
         assert_eq!(told.extremes, <[f32; 2]>::from(crate::base::num::min_max(map.planes[0].data())));
     }
