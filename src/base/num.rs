@@ -115,6 +115,15 @@ pub fn atan2_turns(y: f32, x: f32) -> f32 {
     if y < 0.0 { -a } else { a }
 }
 
+/// `3 * 2^22`: added to a number of less than 22 bits it rounds it to a whole one, which is then in the lowest bits.
+pub const WHOLE: f32 = 12_582_912.0;
+
+/// `2^i` for whole i in [-126, 127], given `i + WHOLE`: without a cast, which LLVM makes number by number for AVX-512.
+#[inline(always)]
+pub fn power_of_two(whole: f32) -> f32 {
+    f32::from_bits((whole.to_bits() << 23).wrapping_add(0x3f80_0000))
+}
+
 /// `2^f` for |f| <= 1/2: Taylor series of `e^(f ln 2)` to f^7, truncation 5e-9.
 #[inline(always)]
 pub fn exp2_fraction(f: f32) -> f32 {
@@ -131,7 +140,7 @@ pub fn exp2_fraction(f: f32) -> f32 {
 pub fn exp2(x: f32) -> f32 {
     let x = x.max(-126.0).min(127.0);
     let i = (x + 0.5).floor();
-    exp2_fraction(x - i) * f32::from_bits((((i as i32) + 127) << 23) as u32)
+    exp2_fraction(x - i) * power_of_two(i + WHOLE)
 }
 
 /// `log2(x)` for normal x > 0 (smaller x read as 2^-126); maximum absolute error 3e-7 for x in [1/2, 2].

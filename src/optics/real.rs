@@ -139,13 +139,11 @@ impl Real for f32 {
     }
     #[inline(always)]
     fn decay(self) -> Self {
-        // Adding 3 * 2^22 rounds to a whole number, which is then in the lowest bits: no `floor`, and no cast, so that loops
-        // over bands vectorise. The digits are those of `num::exp2` but where a half is rounded the other way.
-        const ROUND: f32 = 12_582_912.0;
+        // No `floor`, which is a call on plain x86-64. The digits are those of `num::exp2` but where a half is rounded the
+        // other way.
         let x = (self * -std::f32::consts::LOG2_E).max(-126.0).min(127.0);
-        let rounded = x + ROUND;
-        let e = num::exp2_fraction(x - (rounded - ROUND))
-            * f32::from_bits((rounded.to_bits() << 23).wrapping_add(0x3f80_0000));
+        let whole = x + num::WHOLE;
+        let e = num::exp2_fraction(x - (whole - num::WHOLE)) * num::power_of_two(whole);
         if self < 87.0 { e } else { 0.0 }
     }
     #[inline(always)]
