@@ -1,7 +1,8 @@
 //! DOING IT: the only loops over whole planes.
 //!
 //! [`run()`] executes a [`Plan`](crate::plan::Plan): stage by stage, bands of rows in parallel, planes from a pool that
-//! get back to it as soon as their last reader ran. [`run_each`] hands maps out while the rest is computed. [`run_node`] evaluates one node alone.
+//! get back to it as soon as their last reader ran. [`run_each`] hands maps out while the rest is computed. [`run_node`]
+//! evaluates one node alone.
 
 mod run;
 mod single;

@@ -91,7 +91,7 @@ fn handed_out(plan: &Plan) -> Vec<Vec<MapKind>> {
     let mut last_use = vec![0; plan.homes.len()];
     for (k, stage) in plan.stages.iter().enumerate() {
         for pass in stage.whole.iter().chain(&stage.rows).flat_map(|&s| &plan.steps[s].passes) {
-            let read = pass.inputs.iter().filter_map(lane_of);
+            let read = pass.inputs.iter().filter_map(LaneSource::lane);
             for lane in read.chain(pass.outputs.iter().flatten().copied()) {
                 last_use[lane] = k;
             }
@@ -99,18 +99,11 @@ fn handed_out(plan: &Plan) -> Vec<Vec<MapKind>> {
     }
     let mut of_stage = vec![Vec::new(); plan.stages.len()];
     for (&kind, map) in &plan.maps {
-        if let Some(k) = map.lanes.iter().filter_map(lane_of).map(|lane| last_use[lane]).max() {
+        if let Some(k) = map.lanes.iter().filter_map(LaneSource::lane).map(|lane| last_use[lane]).max() {
             of_stage[k].push(kind);
         }
     }
     of_stage
-}
-
-fn lane_of(source: &LaneSource) -> Option<usize> {
-    match source {
-        LaneSource::Lane(id) => Some(*id),
-        LaneSource::Const(_) => None,
-    }
 }
 
 struct Runner<'a> {
@@ -149,7 +142,7 @@ impl ConstantRows {
 impl<'a> Runner<'a> {
     fn new(plan: &'a Plan, control: Control<'a>) -> Self {
         let mut shown_by = BTreeMap::new();
-        for lane in plan.maps.values().flat_map(|m| &m.lanes).filter_map(lane_of) {
+        for lane in plan.maps.values().flat_map(|m| &m.lanes).filter_map(LaneSource::lane) {
             *shown_by.entry(lane).or_default() += 1;
         }
         Self {

@@ -28,6 +28,16 @@ pub enum LaneSource {
     Lane(LaneId),
 }
 
+impl LaneSource {
+    /// The lane, if it is one.
+    pub fn lane(&self) -> Option<LaneId> {
+        match self {
+            Self::Lane(id) => Some(*id),
+            Self::Const(_) => None,
+        }
+    }
+}
+
 /// One call of a node: its inputs and outputs, lane by lane.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pass {

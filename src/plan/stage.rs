@@ -1,8 +1,10 @@
 //! Steps to stages: what can share a pass over memory, where every lane lives, and the bytes that takes.
 
+use std::collections::BTreeMap;
+
 use super::lower::Lowered;
 use super::{Home, LaneId, LaneSource, MapPlan, Plan, Stage, Step};
-use crate::base::Domain;
+use crate::base::{Domain, MapKind};
 use crate::node::{Assets, Reach};
 
 /// Scratch of one band, bytes: half of a small L2 cache.
@@ -42,7 +44,7 @@ fn band_rows(domain: &Domain, slots: usize) -> usize {
 }
 
 fn lanes_read(step: &Step) -> impl Iterator<Item = LaneId> + '_ {
-    step.passes.iter().flat_map(|p| &p.inputs).filter_map(lane_of)
+    step.passes.iter().flat_map(|p| &p.inputs).filter_map(LaneSource::lane)
 }
 
 fn lanes_written(step: &Step) -> impl Iterator<Item = LaneId> + '_ {
@@ -91,7 +93,7 @@ fn assign(steps: &[Step], producer: &[usize]) -> Vec<usize> {
 /// Lanes that must be planes; the others get a provisional scratch slot.
 fn home_planes(
     steps: &[Step],
-    maps: &std::collections::BTreeMap<crate::base::MapKind, MapPlan>,
+    maps: &BTreeMap<MapKind, MapPlan>,
     producer: &[usize],
     stage_of: &[usize],
 ) -> Vec<Home> {
@@ -155,7 +157,7 @@ fn assign_scratch(steps: &[Step], rows: &[usize], homes: &mut [Home]) -> usize {
 
 fn free_after_last_read(
     steps: &[Step],
-    maps: &std::collections::BTreeMap<crate::base::MapKind, MapPlan>,
+    maps: &BTreeMap<MapKind, MapPlan>,
     homes: &[Home],
     stage_of: &[usize],
     stages: &mut [Stage],
@@ -184,7 +186,7 @@ fn free_after_last_read(
 /// given back to it, not to the system.
 fn peak_bytes(
     steps: &[Step],
-    maps: &std::collections::BTreeMap<crate::base::MapKind, MapPlan>,
+    maps: &BTreeMap<MapKind, MapPlan>,
     homes: &[Home],
     stages: &[Stage],
     domain: &Domain,
@@ -211,17 +213,10 @@ fn peak_bytes(
     }
     // At the end constants become planes, and a lane that two maps show becomes two.
     let shown: Vec<LaneSource> = maps.values().flat_map(|map| map.lanes.iter().copied()).collect();
-    let mut lanes: Vec<LaneId> = shown.iter().filter_map(lane_of).collect();
+    let mut lanes: Vec<LaneId> = shown.iter().filter_map(LaneSource::lane).collect();
     let constants = shown.len() - lanes.len();
     lanes.sort_unstable();
     let all = lanes.len();
     lanes.dedup();
     peak.max((taken + (constants + all - lanes.len()) as u64) * plane)
-}
-
-fn lane_of(source: &LaneSource) -> Option<LaneId> {
-    match source {
-        LaneSource::Lane(id) => Some(*id),
-        LaneSource::Const(_) => None,
-    }
 }

@@ -48,6 +48,12 @@ fn shown(spec: &SceneSpec, texel: [f32; 3]) -> [f64; 3] {
     spec.render.tone.map(LinearRgb(texel.map(|c| c * gain))).0.map(f64::from)
 }
 
+/// Whether a pixel is no silhouette: where it sees two surfaces, their normals are not one.
+fn sees_one_surface(pixel: &reference::Pixel) -> bool {
+    let n = pixel.normal.map(|n| n / pixel.count as f32);
+    (n[0] * n[0] + n[1] * n[1] + n[2] * n[2]).sqrt() > 0.98
+}
+
 /// The bound of the issue, mean CIEDE2000 beside silhouettes, and that the picture can fail it: a film 5 % thicker does.
 #[test]
 fn a_preview_is_the_path_tracers_picture_of_direct_light() {
@@ -63,16 +69,11 @@ fn a_preview_is_the_path_tracers_picture_of_direct_light() {
         ..Settings::default()
     };
     let film = reference::Renderer::new(&scene).expect("a sound scene").render(&settings, Control::default());
-    // Where a pixel sees two surfaces, their normals are not one.
-    let inner = |p: &reference::Pixel| {
-        let n = p.normal.map(|n| n / p.count as f32);
-        (n[0] * n[0] + n[1] * n[1] + n[2] * n[2]).sqrt() > 0.98
-    };
     let apart = |scene: &Scene| {
         let mut renderer = Renderer::new(&gpu, scene, &Options::of(&gpu)).expect("it fits");
         let picture = renderer.render(&scene.camera, size).expect("a picture");
         let mut errors = ColorErrors::default();
-        for (texel, pixel) in picture.texels.iter().zip(&film.pixels).filter(|(_, p)| inner(p)) {
+        for (texel, pixel) in picture.texels.iter().zip(&film.pixels).filter(|(_, p)| sees_one_surface(p)) {
             errors.add(shown(&spec, *texel), shown(&spec, pixel.rgb()));
         }
         assert!(errors.count() > 5000, "{}", errors.count());
@@ -129,14 +130,8 @@ fn a_preview_of_maps_is_nearer_than_a_film_that_is_5_percent_thicker() {
     // Silhouettes are those of the mesh: normal maps lean everywhere.
     let mut even = scene.clone();
     even.materials[0].maps = None;
-    let inner: Vec<bool> = traced(&even, &Settings { samples: 32, ..settings })
-        .pixels
-        .iter()
-        .map(|p| {
-            let n = p.normal.map(|n| n / p.count as f32);
-            (n[0] * n[0] + n[1] * n[1] + n[2] * n[2]).sqrt() > 0.98
-        })
-        .collect();
+    let inner: Vec<bool> =
+        traced(&even, &Settings { samples: 32, ..settings }).pixels.iter().map(sees_one_surface).collect();
     let truth: Vec<_> = film.rgb().iter().map(|t| shown(&spec, *t).map(|c| c as f32)).collect();
     let apart = |scene: &Scene| {
         let mut renderer = Renderer::new(&gpu, scene, &Options::of(&gpu)).expect("it fits");
