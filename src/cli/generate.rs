@@ -11,6 +11,7 @@ use super::args::{self, CompressArg, ExrCompressArg, Format, Generate, MapsArg, 
 use super::exit::{Exit, Failure};
 use super::load::Preset;
 use super::progress::Progress;
+use super::render_scene::folder;
 use super::trace::{self, Recorder, Stats};
 use super::{memory, render, signal};
 use crate::base::watch::Watch;
@@ -25,9 +26,11 @@ use crate::plan::{Plan, PlanError};
 pub(super) fn run(args: &Generate) -> Result<Exit, Failure> {
     let options = write_options(args)?;
     let budget = memory::budget(args.memory);
-    let jobs = prepare(args, budget)?;
-    let count = args.seeds.as_ref().map_or(1, |s| s.0.end - s.0.start).saturating_mul(jobs.len() as u64);
+    args.trace.as_deref().map_or(Ok(()), folder)?;
     let pool = pool(args.threads)?;
+    // Plans count what each thread of the pool works in.
+    let jobs = pool.install(|| prepare(args, budget))?;
+    let count = args.seeds.as_ref().map_or(1, |s| s.0.end - s.0.start).saturating_mul(jobs.len() as u64);
     let stop = signal::stop_flag();
     let progress = Progress::new(args.quiet);
     let recorder = (args.stats || args.trace.is_some()).then(Recorder::new);

@@ -137,14 +137,14 @@ pub(super) fn wanted(stage: Stage, spec: &SceneSpec) -> Vec<MapKind> {
     shading.iter().copied().chain(displaced.then_some(Height)).collect()
 }
 
-/// Tell now, not after the work, that the folder of a picture is not there.
+/// Tell now, not after the work, that the folder of a file is not there.
 pub(super) fn folder(path: &Path) -> Result<(), Failure> {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
     match folder.filter(|folder| !folder.is_dir()) {
         Some(folder) => Err(Failure::Message {
             exit: Exit::File,
             message: format!("{} is not a directory", folder.display()),
-            help: Some("make it, or write the picture somewhere else".into()),
+            help: Some("make it, or write the file somewhere else".into()),
         }),
         None => Ok(()),
     }

@@ -107,6 +107,51 @@ fn refused(dir: &tempfile::TempDir, args: &[&str], code: i32, texts: &[&str]) {
     assert!(files(dir.path()) == before, "{args:?} left {:?}", files(dir.path()).keys());
 }
 
+/// Every node and file is in both, and no byte of a set depends on them.
+#[test]
+fn a_trace_and_the_stats_tell_of_all_work_and_change_no_file() {
+    let dir = folder(PRESET);
+    let plain = in_folder(&dir, &["generate", "snake.toml", "--size", "64", "-o", "plain"]);
+    let told = [
+        "generate",
+        "snake.toml",
+        "--size",
+        "64",
+        "-o",
+        "told",
+        "--trace",
+        "trace.json",
+        "--stats",
+        "--json",
+    ];
+    let told = in_folder(&dir, &told);
+    assert_eq!((plain.code, told.code, told.err.as_str()), (Some(0), Some(0), ""));
+    let [plain, same] = ["plain", "told"].map(|name| files(&dir.path().join(name)));
+    assert!(plain == same && plain.len() == 6, "{:?} {:?}", plain.keys(), same.keys());
+
+    let text = std::fs::read_to_string(dir.path().join("trace.json")).expect("a trace");
+    let trace: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+    let object: serde_json::Value = serde_json::from_str(&told.out).expect("JSON");
+    let events = trace["traceEvents"].as_array().expect("a list");
+    let in_trace = |kind: &str, name: &str| events.iter().any(|e| e["cat"] == kind && e["name"] == name);
+    let nodes = object["stats"]["nodes"].as_array().expect("a list");
+    for node in ["cells", "clouds", "soft", "even", "mixed", "bumps", "normal"] {
+        assert!(in_trace("node", node), "{node}");
+        assert!(nodes.iter().any(|n| n["node"] == node && n["ms"].as_f64() > Some(0.0)), "{node}");
+    }
+    for file in plain.keys().filter(|name| name.ends_with(".png")) {
+        assert!(in_trace("encode", file) && in_trace("write", file), "{file}");
+    }
+    assert!(!in_trace("node", "snake_color.png"), "kinds are told apart");
+
+    refused(
+        &dir,
+        &["generate", "snake.toml", "--size", "64", "-o", "o", "--trace", "none/trace.json"],
+        3,
+        &["none is not a directory", "somewhere else"],
+    );
+}
+
 #[test]
 fn a_set_is_written_verified_and_made_again() {
     let dir = folder(PRESET);
