@@ -164,20 +164,22 @@ impl EnvironmentImage {
     /// Radiance at a place of the picture.
     #[inline(always)]
     fn radiance_at(&self, [u, v]: [f32; 2]) -> LinearRgb {
-        let (x, y) = (u * self.width as f32 - 0.5, v * self.height as f32 - 0.5);
+        let (width, height) = (self.width as i32, self.height as i32);
+        let (x, y) = (u * width as f32 - 0.5, v * height as f32 - 0.5);
         let (fx, fy) = (x.floor(), y.floor());
         let (tx, ty) = (x - fx, y - fy);
-        // From -1 to width - 1.
-        let x0 = if fx < 0.0 { self.width - 1 } else { (fx as usize).min(self.width - 1) };
-        let x1 = if x0 + 1 == self.width { 0 } else { x0 + 1 };
-        let y0 = (fy.max(0.0) as usize).min(self.height - 1);
-        let y1 = ((fy + 1.0).max(0.0) as usize).min(self.height - 1);
-        let row = |y: usize| {
-            let row = &self.texels[y * self.width..][..self.width];
-            std::array::from_fn::<f32, 3, _>(|c| num::lerp(row[x0][c], row[x1][c], tx))
+        // Of 32 bits: one instruction. From -1 to width - 1.
+        let (x0, y0) = (fx as i32, fy as i32);
+        let x0 = if x0 < 0 { width - 1 } else { x0.min(width - 1) };
+        let x1 = if x0 + 1 == width { 0 } else { x0 + 1 };
+        let (y0, y1) = (y0.max(0).min(height - 1), (y0 + 1).max(0).min(height - 1));
+        let row = |y: i32| {
+            let row = &self.texels[y as usize * self.width..][..self.width];
+            let (a, b) = (row[x0 as usize], row[x1 as usize]);
+            [num::lerp(a[0], b[0], tx), num::lerp(a[1], b[1], tx), num::lerp(a[2], b[2], tx)]
         };
         let (a, b) = (row(y0), row(y1));
-        LinearRgb(std::array::from_fn(|c| num::lerp(a[c], b[c], ty)))
+        LinearRgb([num::lerp(a[0], b[0], ty), num::lerp(a[1], b[1], ty), num::lerp(a[2], b[2], ty)])
     }
 
     /// Mean radiance over all directions: each texel by its solid angle.
