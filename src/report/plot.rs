@@ -8,6 +8,8 @@ use super::html::escape;
 const SIZE: (f64, f64) = (760.0, 440.0);
 /// Room at the left, top, right and bottom for axes, title and legend.
 const MARGIN: (f64, f64, f64, f64) = (72.0, 44.0, 24.0, 56.0);
+/// Height of a line of the legend.
+const LEGEND_LINE: f64 = 16.0;
 
 /// One direction of a plot.
 #[derive(Clone, Debug)]
@@ -182,7 +184,9 @@ impl Plot {
     /// Its elements within a rectangle: left, top, width, height.
     pub(crate) fn drawn(&self, (left, top, width, height): (f64, f64, f64, f64)) -> String {
         let (x0, x1) = (left + MARGIN.0, left + width - MARGIN.2);
-        let (y0, y1) = (top + height - MARGIN.3, top + MARGIN.1);
+        let legend = self.legend(x1 - left);
+        let (y0, y1) =
+            (top + height - MARGIN.3, top + MARGIN.1 + LEGEND_LINE * legend.len().saturating_sub(1) as f64);
         let points = || self.series.iter().flat_map(|s| s.points.iter());
         let sx = Scale::new(&self.x, points().map(|p| p.0), x0, x1);
         let sy = Scale::new(&self.y, points().map(|p| p.1), y0, y1);
@@ -251,28 +255,55 @@ impl Plot {
                 }
             }
         }
-        let mut x = x1;
-        for series in self.series.iter().rev().filter(|s| !s.name.is_empty()) {
-            let color = series.color % 8;
-            x -= series.name.chars().count() as f64 * 6.6 + 30.0;
-            let y = top + 36.0;
-            let dashes = if series.mark == Mark::Dashes { " d" } else { "" };
-            put(match series.mark {
-                Mark::Dots => format!(
-                    "<circle class=\"f{color}\" cx=\"{:.1}\" cy=\"{:.1}\" r=\"4.5\"/>",
-                    x + 12.0,
-                    y - 4.0
-                ),
-                _ => format!("<path class=\"s c{color}{dashes}\" d=\"M{x:.1} {:.1}h20\"/>", y - 4.0),
-            });
-            put(format!(
-                "<text class=\"l\" x=\"{:.1}\" y=\"{y:.1}\">{}</text>",
-                x + 24.0,
-                escape(&series.name)
-            ));
+        for (line, entries) in legend.iter().enumerate() {
+            let y = top + 36.0 + LEGEND_LINE * line as f64;
+            let mut x = x1;
+            for series in entries.iter().rev() {
+                let color = series.color % 8;
+                x -= legend_width(&series.name);
+                let dashes = if series.mark == Mark::Dashes { " d" } else { "" };
+                put(match series.mark {
+                    Mark::Dots => format!(
+                        "<circle class=\"f{color}\" cx=\"{:.1}\" cy=\"{:.1}\" r=\"4.5\"/>",
+                        x + 12.0,
+                        y - 4.0
+                    ),
+                    _ => format!("<path class=\"s c{color}{dashes}\" d=\"M{x:.1} {:.1}h20\"/>", y - 4.0),
+                });
+                put(format!(
+                    "<text class=\"l\" x=\"{:.1}\" y=\"{y:.1}\">{}</text>",
+                    x + 24.0,
+                    escape(&series.name)
+                ));
+            }
         }
         svg
     }
+
+    /// The series that have names, in lines that are no wider than `room`, unless one name is.
+    fn legend(&self, room: f64) -> Vec<Vec<&Series>> {
+        let mut lines: Vec<Vec<&Series>> = Vec::new();
+        let mut used = 0.0;
+        for series in self.series.iter().filter(|s| !s.name.is_empty()) {
+            let width = legend_width(&series.name);
+            match lines.last_mut().filter(|_| used + width <= room) {
+                Some(line) => {
+                    line.push(series);
+                    used += width;
+                }
+                None => {
+                    lines.push(vec![series]);
+                    used = width;
+                }
+            }
+        }
+        lines
+    }
+}
+
+/// What a name takes in the legend, its mark included.
+fn legend_width(name: &str) -> f64 {
+    name.chars().count() as f64 * 6.6 + 30.0
 }
 
 /// A place for the name of a point beside those that are taken: x, y and which end of the text is there.
@@ -323,6 +354,29 @@ mod tests {
                 assert!(!svg.contains("NaN") && !svg.contains("inf"), "{svg}");
             }
         }
+    }
+
+    #[test]
+    fn names_that_do_not_fit_beside_each_other_get_another_line() {
+        let mut plot = Plot::new("", Axis::linear("x"), Axis::linear("y"));
+        let name = "a way to find lights";
+        for i in 0..7 {
+            plot.series.push(Series::line(name, i, vec![(0.0, 0.0), (1.0, 1.0)]));
+        }
+        let svg = plot.svg();
+        let at = |element: &str, key: &str| -> f64 {
+            let rest = &element[element.find(key).expect("the key") + key.len()..];
+            rest[..rest.find('"').expect("its end")].parse().expect("a number")
+        };
+        let names: Vec<(f64, f64)> = svg
+            .lines()
+            .filter(|line| line.contains(name))
+            .map(|line| (at(line, " x=\""), at(line, " y=\"")))
+            .collect();
+        assert_eq!(names.len(), 7);
+        assert!(names.iter().all(|(x, _)| *x >= 24.0), "{names:?}");
+        let lines = |n: usize| names.iter().filter(|(_, y)| *y == 36.0 + LEGEND_LINE * n as f64).count();
+        assert_eq!([lines(0), lines(1)], [4, 3], "{names:?}");
     }
 
     #[test]
