@@ -83,6 +83,8 @@ struct Scale {
     log: bool,
     low: f64,
     high: f64,
+    /// Between ticks, unless `log`.
+    step: f64,
     from: f64,
     to: f64,
 }
@@ -97,14 +99,13 @@ impl Scale {
             .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
         let (low, high) = if low > high { (0.0, 1.0) } else { (low, high) };
         let (low, high) = if high - low < 1e-12 { (low - 0.5, high + 0.5) } else { (low, high) };
-        let room = (high - low) * 0.04;
+        let (room, step) = ((high - low) * 0.04, step(high - low));
         let (low, high) = if axis.log {
             (low - room, high + room)
         } else {
-            let step = step(high - low);
             ((low / step).floor() * step, (high / step).ceil() * step)
         };
-        Self { log: axis.log, low, high, from, to }
+        Self { log: axis.log, low, high, step, from, to }
     }
 
     fn at(&self, value: f64) -> Option<f64> {
@@ -116,7 +117,7 @@ impl Scale {
     /// Labelled numbers.
     fn ticks(&self) -> Vec<(f64, String)> {
         if !self.log {
-            let step = step(self.high - self.low);
+            let step = self.step;
             let digits = (-libm::log10(step)).ceil().clamp(0.0, 9.0) as usize;
             let count = ((self.high - self.low) / step).round() as i64;
             let label = |v: f64| if v == 0.0 { "0".into() } else { format!("{v:.digits$}") };
@@ -247,7 +248,7 @@ impl Plot {
             for (i, (x, y)) in placed.iter().enumerate() {
                 put(format!("<circle class=\"f{color}\" cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"4.5\"/>"));
                 if let Some(name) = series.names.get(i) {
-                    let (text_x, text_y, anchor) = label_place(&mut taken, *x, *y, name.len(), x1);
+                    let (text_x, text_y, anchor) = label_place(&mut taken, *x, *y, name.len(), (x1, y1));
                     put(format!(
                         "<text class=\"l\" text-anchor=\"{anchor}\" x=\"{text_x:.1}\" y=\"{text_y:.1}\">{}</text>",
                         escape(name)
@@ -312,16 +313,17 @@ fn label_place(
     x: f64,
     y: f64,
     letters: usize,
-    right: f64,
+    (right, top): (f64, f64),
 ) -> (f64, f64, &'static str) {
     let width = letters as f64 * 6.4;
     let places = [4.0, -8.0, 16.0, -20.0, 28.0, -32.0, 40.0]
         .into_iter()
         .flat_map(|dy| [(x + 8.0, y + dy, "start"), (x - 8.0 - width, y + dy, "end")]);
-    let free = |&(left, y, _): &(f64, f64, &str)| {
+    let free = |(left, y, _): &(f64, f64, &str)| {
         left + width <= right + 20.0
-            && left > MARGIN.0
-            && taken.iter().all(|(l, t, w)| (t - y).abs() >= 12.0 || left > l + w || left + width < *l)
+            && *left > MARGIN.0
+            && *y >= top + 4.0
+            && taken.iter().all(|(l, t, w)| (t - y).abs() >= 12.0 || *left > l + w || left + width < *l)
     };
     let (left, y, anchor) = places.clone().find(free).unwrap_or((x + 8.0, y + 4.0, "start"));
     taken.push((left, y, width));
@@ -387,5 +389,16 @@ mod tests {
         let scale = Scale::new(&Axis::log(""), [8.0, 300.0].into_iter(), 0.0, 100.0);
         let labels: Vec<String> = scale.ticks().into_iter().map(|t| t.1).collect();
         assert_eq!(labels, ["10", "20", "50", "100", "200"].map(str::to_owned));
+    }
+
+    #[test]
+    fn ticks_lie_on_the_axis_from_end_to_end() {
+        // Rounded outwards, the first range is wider than what its step is made for.
+        for range in [[0.36, 1.0066], [-3.0, 4.0], [1e-9, 1.1e-9], [5.0, 5.0]] {
+            let scale = Scale::new(&Axis::linear(""), range.into_iter(), 0.0, 100.0);
+            let at: Vec<f64> = scale.ticks().iter().filter_map(|t| scale.at(t.0)).collect();
+            let (first, last) = (at[0], at[at.len() - 1]);
+            assert!(first.abs() < 1e-3 && (last - 100.0).abs() < 1e-3, "{range:?} {at:?}");
+        }
     }
 }
