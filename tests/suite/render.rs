@@ -4,6 +4,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use ophidian::base::simd;
 use ophidian::scene::builtin::BUILTIN;
 use serde_json::Value;
 
@@ -117,18 +118,31 @@ fn every_built_in_scene_gives_a_picture_its_channels_and_a_report() {
 }
 
 #[test]
-fn a_picture_does_not_depend_on_threads_or_time_but_on_its_noise() {
+fn a_picture_does_not_depend_on_threads_level_or_time_but_on_its_noise() {
     let dir = folder();
-    let bytes = |args: &[&str]| {
-        picture(dir.path(), &[&[PRESET, "--scene", "sphere", "--spp", "3"], args].concat());
+    let bytes = |args: &[&str], level: simd::Level| {
+        // Ten blocks of rows in the file.
+        let all = [
+            &["render", PRESET, "--scene", "sphere", "--size", "96x160", "--spp", "3", "--map-size", "64"],
+            args,
+            &["-q", "-o", "a.exr"],
+        ];
+        let mut command = ophidian();
+        command.current_dir(dir.path()).env("OPHIDIAN_SIMD", level.name()).args(all.concat());
+        let output = command.output().expect("the command runs");
+        assert!(output.status.success() && output.stderr.is_empty(), "{output:?}");
         ["a.exr", "a.png"].map(|file| std::fs::read(dir.path().join(file)).expect("a file"))
     };
-    let first = bytes(&["--threads", "2"]);
-    assert!(first == bytes(&["--threads", "2"]), "a second run differs");
-    assert!(first == bytes(&["--threads", "1"]), "threads are seen");
-    let other = bytes(&["--noise", "1"]);
+    let best = simd::detected();
+    let first = bytes(&["--threads", "2"], best);
+    assert!(first == bytes(&["--threads", "2"], best), "a second run differs");
+    assert!(first == bytes(&["--threads", "1"], best), "threads are seen");
+    for level in simd::Level::ALL.into_iter().filter(|level| *level < best) {
+        assert!(first == bytes(&[], level), "{} is seen", level.name());
+    }
+    let other = bytes(&["--noise", "1"], best);
     assert!(first[0] != other[0] && first[1] != other[1], "the noise is the same");
-    assert!(first[0] != bytes(&["--seed", "99"])[0], "the individual is the same");
+    assert!(first[0] != bytes(&["--seed", "99"], best)[0], "the individual is the same");
 }
 
 #[test]
