@@ -4,6 +4,7 @@ use std::io::Write as _;
 
 use super::args::{Report, ReportKind, SizeArg};
 use super::exit::{Exit, Failure};
+use super::load::Preset;
 use super::progress::Progress;
 use super::render_scene::wanted;
 use super::stage::{self, Skin, Source};
@@ -28,6 +29,7 @@ pub(super) fn run(args: &Report) -> Result<Exit, Failure> {
     let report = match args.kind {
         ReportKind::Optics => optics::report(effort, &mut watch),
         ReportKind::Convergence => convergence(args, effort, &progress, &mut watch)?,
+        ReportKind::Textures => textures(args, &mut watch)?,
     };
     let files = report.files();
     files.iter().try_for_each(|(name, text)| io::write_text(&args.output.join(name), text))?;
@@ -49,11 +51,24 @@ fn convergence(
     progress: &Progress,
     watch: report::Watch<'_>,
 ) -> Result<report::Report, Failure> {
-    let text = stage::text(&args.scene, &[])?;
+    let text = stage::text(args.subject.as_deref().unwrap_or("studio"), &[])?;
     let source = Source { word: &args.skin, settings: &[], seed: None, size: SizeArg::Longer(1024) };
     let pool = generate::pool(None)?;
     let skin = Skin::load(&source, &wanted(Stage::All, &text.spec), signal::stop_flag(), progress, &pool)?;
     let scene = stage::build(&text, &skin, None)?;
     report::convergence::report(&scene, effort, watch)
         .map_err(|e| Failure::usage(e, "see `ophidian schema --scene` for what a scene says"))
+}
+
+/// The maps of the preset that was asked for.
+fn textures(args: &Report, watch: report::Watch<'_>) -> Result<report::Report, Failure> {
+    let word = args.subject.as_deref().unwrap_or("lampropeltis_triangulum");
+    let graph = Preset::open(word, &[])?.graph()?;
+    let (longer, rounds) = if args.quick { (256, 2) } else { (1024, 5) };
+    let size = args.size.unwrap_or(SizeArg::Longer(longer));
+    let domain = size.domain(graph.girth_mm, graph.length_mm);
+    // Times are of one thread.
+    generate::pool(Some(1))?
+        .install(|| report::textures::report(&graph, domain, rounds, watch))
+        .map_err(|e| Failure::usage(e, "choose another --size or another preset"))
 }

@@ -39,4 +39,4 @@ pub use picture::{stage_channels, stage_picture, write_picture};
 pub use png::PngCompression;
 pub use read::{MAX_SAMPLES, load_assets, read_bytes, read_image};
 pub use sets::read_set;
-pub use write::{Output, SetWriter, Staged, WriteOptions, write_set, write_text};
+pub use write::{Output, SetWriter, Staged, WriteOptions, encode_png, write_set, write_text};

@@ -285,6 +285,20 @@ pub fn write_set(
     writer.finish(files)
 }
 
+/// Encode one map as PNG, on the current rayon pool, into anything; returns what it found out in passing.
+///
+/// # Errors
+/// If the map has more texels to a side than the format allows, or `out` fails.
+pub fn encode_png(
+    map: &MapImage,
+    options: &EncodeOptions,
+    compression: PngCompression,
+    out: impl std::io::Write,
+) -> Result<MapTold, IoError> {
+    let watched = Watched { name: map.kind.name(), by: None };
+    png::write(map, options, compression, watched, out).map_err(|p| p.at(Path::new(map.kind.name())))
+}
+
 /// Write a text file, whole or not at all.
 pub fn write_text(path: &Path, text: &str) -> Result<(), IoError> {
     Aside::write(path.to_owned(), |out| Ok(std::io::Write::write_all(out, text.as_bytes())?))?.commit()

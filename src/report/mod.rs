@@ -1,4 +1,5 @@
-//! WHAT EVERY SHORTCUT COSTS: errors against run times, as tables, plots and one page. Imports optics, scene and reference.
+//! WHAT EVERY SHORTCUT COSTS: errors against run times, as tables, plots and one page. Imports optics, the rooms
+//! from node to io, scene and reference.
 //!
 //! | Item | What it is |
 //! | --- | --- |
@@ -9,6 +10,7 @@
 //! | [`Report`] | a page and the files beside it |
 //! | [`convergence`] | the report on the path tracer: error against samples and seconds |
 //! | [`optics`] | the report on the skin's optics: films, methods, stability |
+//! | `textures` | the report on a preset's maps: every approximation in its graph (feature `files`) |
 //!
 //! A report writes no file: the command does.
 
@@ -25,6 +27,8 @@ pub mod skin_sweep;
 pub mod stability;
 pub mod swatch;
 pub mod table;
+#[cfg(feature = "files")]
+pub mod textures;
 pub mod timing;
 
 pub use html::Page;

@@ -38,3 +38,29 @@ fn a_directory_that_cannot_be_made_is_told_at_once() {
         ophidian().args(["report", "-o"]).arg(file.path().join("x")).output().expect("the command runs");
     assert_eq!(output.status.code(), Some(3));
 }
+
+#[test]
+fn the_report_on_textures_measures_a_preset_and_refuses_what_cannot_be() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let output = ophidian()
+        .args(["report", "textures", "boa.toml", "--size", "48", "--quick", "--json", "-o", "made"])
+        .current_dir(dir.path())
+        .output()
+        .expect("the command runs");
+    assert_eq!(output.status.code(), Some(3), "there is no such file");
+    let output = ophidian()
+        .args(["report", "textures", "python_regius", "--size", "48", "--quick", "--json", "-o", "made"])
+        .current_dir(dir.path())
+        .output()
+        .expect("the command runs");
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    let json: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let rows = json["tables"]["approximations"].as_array().expect("rows");
+    assert!(rows.iter().any(|r| r["map"] == "normal" && r["seen"] == "degrees" && r["max"].is_number()));
+    let read = |name: &str| std::fs::read_to_string(dir.path().join("made").join(name)).expect("a file");
+    let csv = read("textures_approximations.csv");
+    assert!(
+        csv.starts_with("shortcut,in place of,map,unit,max,RMS,") && csv.lines().count() == rows.len() + 1
+    );
+    assert!(read("textures_saved.svg").starts_with("<svg") && read("textures.html").contains("<svg"));
+}

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
+use super::SizeArg;
 use crate::cli::exit::Exit;
 
 /// `report`
@@ -13,16 +14,20 @@ pub(in crate::cli) struct Report {
     /// What is reported on.
     #[arg(value_enum, default_value = "optics")]
     pub(in crate::cli) kind: ReportKind,
-    /// `convergence`: a built-in scene or a scene file.
-    #[arg(default_value = "studio")]
-    pub(in crate::cli) scene: String,
+    /// `convergence`: a built-in scene or a scene file, `studio` unless given. `textures`: a built-in preset or a
+    /// preset file, `lampropeltis_triangulum` unless given.
+    #[arg(value_name = "SCENE|PRESET")]
+    pub(in crate::cli) subject: Option<String>,
     /// `convergence`: a built-in preset, a preset file, or a directory that `generate` wrote one set to.
     #[arg(long, value_name = "PRESET|SET", default_value = "lampropeltis_triangulum")]
     pub(in crate::cli) skin: String,
+    /// `textures`: texels on the longer side of the maps; 1024, or 256 if quick, unless given.
+    #[arg(long, value_name = "N|WxH")]
+    pub(in crate::cli) size: Option<SizeArg>,
     /// Directory of the files; it is made if need be.
     #[arg(short, long, value_name = "DIR", default_value = "report")]
     pub(in crate::cli) output: PathBuf,
-    /// Seconds instead of minutes: fewer films and random cases.
+    /// Seconds instead of minutes: fewer films, random cases, texels and rounds.
     #[arg(long)]
     pub(in crate::cli) quick: bool,
     /// Print all numbers as JSON on standard output.
@@ -37,4 +42,6 @@ pub(in crate::cli) enum ReportKind {
     Optics,
     /// The path tracer on a scene: noise against samples and seconds, and what is left out.
     Convergence,
+    /// The maps of a preset: every approximation in its graph, drafts, and encodings.
+    Textures,
 }

@@ -106,10 +106,7 @@ const PERIOD: (f32, f32) = (12.0, 4.0);
 const NATURAL_PERIOD: f32 = 17.7;
 /// Dv / Du.
 const DIFFUSION_RATIO: f32 = 0.5;
-/// Time per step. Du * STEP stays below 1.25, where the explicit step of the Laplacian becomes unstable; what stands
-/// still does not depend on it.
-const STEP: f32 = 2.0;
-/// Steps after which it stops in any case.
+/// Steps of [`GrayScott::STEP`] after which it stops in any case.
 const MAX_STEPS: usize = 8_000;
 /// Steps between looks at how much it still changes.
 const LOOK: usize = 250;
@@ -131,6 +128,20 @@ const RESTLESS: [(f32, f32, &str); 7] = [
 ];
 
 impl GrayScott {
+    /// Time per step. Du * STEP stays below 1.25, where the explicit step of the Laplacian becomes unstable; what stands
+    /// still does not depend on it.
+    pub const STEP: f32 = 2.0;
+
+    /// What [`Operation::prepare`] makes, in steps of another time in (0, [`GrayScott::STEP`]]: for as long, so with more
+    /// of them.
+    pub fn solved(&self, cx: &Cx<'_>, step: f32) -> Prepared {
+        let (width, height, period) = grid(&cx.domain, self.cells, PERIOD.0, PERIOD.1, self.stretch);
+        let mut solver = Solver::new(width, height, self.rates(), period, step);
+        solver.seed(cx.seed, period);
+        solver.settle((MAX_STEPS as f32 * Self::STEP / step) as usize);
+        Box::new(solver.field())
+    }
+
     fn rates(&self) -> (f32, f32) {
         self.reaction.rates().unwrap_or((self.feed, self.kill))
     }
@@ -176,12 +187,7 @@ impl Operation for GrayScott {
     }
 
     fn prepare(&self, cx: &Cx<'_>) -> Option<Prepared> {
-        let (width, height, period) = grid(&cx.domain, self.cells, PERIOD.0, PERIOD.1, self.stretch);
-        let (feed, kill) = self.rates();
-        let mut solver = Solver::new(width, height, feed, kill, period);
-        solver.seed(cx.seed, period);
-        solver.settle(MAX_STEPS);
-        Some(Box::new(solver.field()))
+        Some(self.solved(cx, Self::STEP))
     }
 
     fn eval(&self, cx: &Cx<'_>, rows: Range<i64>, ins: &Inputs<'_>, outs: &mut Outputs<'_>) {
@@ -205,7 +211,7 @@ enum Outcome {
 
 /// Solve a small tile and see whether the pattern rests.
 fn trial(feed: f32, kill: f32) -> Outcome {
-    let mut solver = Solver::new(48, 48, feed, kill, 12.0);
+    let mut solver = Solver::new(48, 48, (feed, kill), 12.0, GrayScott::STEP);
     solver.seed(1, 12.0);
     let change = solver.settle(MAX_STEPS);
     let (lo, hi) = num::min_max(&solver.field_of_v());
@@ -227,7 +233,7 @@ struct Rates {
     /// Feed and feed + kill, per step.
     feed: f32,
     loss: f32,
-    /// Strength of the reaction, per step.
+    /// Strength of the reaction, per step: its time.
     reaction: f32,
 }
 
@@ -243,17 +249,17 @@ struct Solver {
 }
 
 impl Solver {
-    /// The rest state u = 1, v = 0, for a pattern with about `period` texels per period.
-    fn new(width: usize, height: usize, feed: f32, kill: f32, period: f32) -> Self {
+    /// The rest state u = 1, v = 0, for a pattern with about `period` texels per period, in steps of so much time.
+    fn new(width: usize, height: usize, (feed, kill): (f32, f32), period: f32, step: f32) -> Self {
         let n = (width + 2) * height;
         let scale = period / NATURAL_PERIOD;
-        let du = STEP * scale * scale;
+        let du = step * scale * scale;
         let rates = Rates {
             du,
             dv: du * DIFFUSION_RATIO,
-            feed: STEP * feed,
-            loss: STEP * (feed + kill),
-            reaction: STEP,
+            feed: step * feed,
+            loss: step * (feed + kill),
+            reaction: step,
         };
         let (u, v) = (vec![1.0; n], vec![0.0; n]);
         Self { width, height, rates, next_u: u.clone(), next_v: v.clone(), u, v }
@@ -298,7 +304,7 @@ impl Solver {
             if i % LOOK == 0 || i == steps {
                 // The buffers hold the last two states.
                 let sum: f64 = self.v.iter().zip(&self.next_v).map(|(a, b)| f64::from((a - b).abs())).sum();
-                change = (sum / (self.v.len() as f64 * f64::from(STEP))) as f32;
+                change = (sum / (self.v.len() as f64 * f64::from(self.rates.reaction))) as f32;
                 if change < REST {
                     break;
                 }

@@ -31,7 +31,7 @@ fn marks(field: &Field) -> (f64, usize) {
 
 fn solve(reaction: Reaction, texels: usize, seed: u32) -> Field {
     let (feed, kill) = reaction.rates().expect("a named reaction");
-    let mut solver = Solver::new(texels, texels, feed, kill, PERIOD.0);
+    let mut solver = Solver::new(texels, texels, (feed, kill), PERIOD.0, GrayScott::STEP);
     solver.seed(seed, PERIOD.0);
     solver.settle(MAX_STEPS);
     solver.field()
@@ -69,7 +69,7 @@ const NAMED: [Reaction; 12] = [
 #[test]
 fn without_reaction_a_cosine_decays_as_its_eigenvalue_says_and_the_mean_stays() {
     let (w, h, steps) = (40, 24, 20);
-    let mut solver = Solver::new(w, h, 0.0, 0.0, PERIOD.0);
+    let mut solver = Solver::new(w, h, (0.0, 0.0), PERIOD.0, GrayScott::STEP);
     solver.rates.reaction = 0.0;
     let turn = |k: f64, x: usize, n: usize| std::f64::consts::TAU * k * x as f64 / n as f64;
     let mode = |x: usize, y: usize| turn(2.0, x, w).cos() * turn(3.0, y, h).cos();
@@ -138,7 +138,7 @@ fn threads_change_nothing() {
     let with = |n| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(n).build().expect("a pool of threads");
         pool.install(|| {
-            let mut solver = Solver::new(150, 130, 0.03, 0.062, 12.0);
+            let mut solver = Solver::new(150, 130, (0.03, 0.062), 12.0, GrayScott::STEP);
             solver.seed(7, 12.0);
             solver.settle(300);
             solver.field()
@@ -153,7 +153,7 @@ fn no_rate_makes_it_leave_its_range() {
         [(0.0, 0.0), (1.0, 1.0), (1e30, -1e30), (-5.0, 3.0), (f32::MAX, f32::MAX), (0.5, -0.5)]
     {
         for (w, h) in [(16, 16), (4, 31)] {
-            let mut solver = Solver::new(w, h, feed, kill, 12.0);
+            let mut solver = Solver::new(w, h, (feed, kill), 12.0, GrayScott::STEP);
             solver.seed(1, 12.0);
             solver.settle(500);
             for v in solver.field().values().iter().chain(&solver.u).chain(&solver.v) {
