@@ -16,11 +16,14 @@ use super::trace::{self, Recorder, Stats};
 use super::{memory, render, signal};
 use crate::base::watch::Watch;
 use crate::base::{Domain, MapKind};
-use crate::eval::{self, Control};
+use crate::eval::{self, Control, MapRows, Stopped};
 use crate::graph::{self, Graph};
-use crate::io::{ExrCompression, ManifestEntry, Output, PngCompression, SetWriter, Staged, WriteOptions};
+use crate::io::{
+    ExrCompression, IoError, ManifestEntry, MapHead, Output, Parts, PngCompression, SetWriter, Staged,
+    WriteOptions,
+};
 use crate::maps::{MapImage, NormalFormat, SetId};
-use crate::plan::{Plan, PlanError};
+use crate::plan::{Plan, PlanError, Slabs};
 
 /// Make every set. All presets are read, checked and planned before the first file is written.
 pub(super) fn run(args: &Generate) -> Result<Exit, Failure> {
@@ -29,7 +32,7 @@ pub(super) fn run(args: &Generate) -> Result<Exit, Failure> {
     args.trace.as_deref().map_or(Ok(()), folder)?;
     let pool = pool(args.threads)?;
     // Plans count what each thread of the pool works in.
-    let jobs = pool.install(|| prepare(args, budget))?;
+    let jobs = pool.install(|| prepare(args, &options, budget))?;
     let count = args.seeds.as_ref().map_or(1, |s| s.0.end - s.0.start).saturating_mul(jobs.len() as u64);
     let stop = signal::stop_flag();
     let progress = Progress::new(args.quiet);
@@ -73,11 +76,11 @@ struct Job {
 }
 
 /// Read, check and plan every preset; everything that is wrong is told.
-fn prepare(args: &Generate, budget: Option<u64>) -> Result<Vec<Job>, Failure> {
+fn prepare(args: &Generate, options: &WriteOptions, budget: Option<u64>) -> Result<Vec<Job>, Failure> {
     let mut jobs: Vec<Job> = Vec::new();
     let mut worst: Option<Failure> = None;
     for word in &args.presets {
-        match prepare_one(args, word, budget) {
+        match prepare_one(args, options, word, budget) {
             Ok(job) => {
                 if jobs.iter().any(|other| other.graph.name == job.graph.name) {
                     let message =
@@ -99,7 +102,12 @@ fn prepare(args: &Generate, budget: Option<u64>) -> Result<Vec<Job>, Failure> {
     worst.map_or(Ok(jobs), Err)
 }
 
-fn prepare_one(args: &Generate, word: &str, budget: Option<u64>) -> Result<Job, Failure> {
+fn prepare_one(
+    args: &Generate,
+    options: &WriteOptions,
+    word: &str,
+    budget: Option<u64>,
+) -> Result<Job, Failure> {
     let preset = Preset::open(word, &args.set.settings)?;
     let mut graph = preset.graph()?;
     if let Some(seed) = args.seed {
@@ -114,8 +122,23 @@ fn prepare_one(args: &Generate, word: &str, budget: Option<u64>) -> Result<Job, 
         return Err(Failure::usage(message, "add a section [maps], such as color = \"some_node\""));
     }
     let domain = args.size.domain(graph.girth_mm, graph.length_mm);
-    plan(&graph, &wanted, domain, budget)?;
+    plan_set(options, &graph, &wanted, domain, budget)?;
     Ok(Job { graph, wanted })
+}
+
+/// Plan a set: slab by slab where its planes do not fit and its files can take rows as they come.
+fn plan_set(
+    options: &WriteOptions,
+    graph: &Graph,
+    wanted: &[MapKind],
+    domain: Domain,
+    budget: Option<u64>,
+) -> Result<(Plan, Option<Slabs>), Failure> {
+    if options.outputs == [Output::Png].into() {
+        let again = options.png.most_strip_rows(domain.width);
+        return Plan::in_slabs(graph, wanted, domain, budget, again).map_err(|e| refused(graph, domain, e));
+    }
+    plan(graph, wanted, domain, budget).map(|plan| (plan, None))
 }
 
 /// Plan, with the refusal as a message.
@@ -125,15 +148,21 @@ pub(super) fn plan(
     domain: Domain,
     budget: Option<u64>,
 ) -> Result<Plan, Failure> {
-    Plan::new(graph, wanted, domain, budget).map_err(|error| match error {
+    Plan::new(graph, wanted, domain, budget).map_err(|error| refused(graph, domain, error))
+}
+
+fn refused(graph: &Graph, domain: Domain, error: PlanError) -> Failure {
+    match error {
         PlanError::Memory { .. } => Failure::Message {
             exit: Exit::Memory,
             message: format!("{} at {} x {}: {error}", graph.name, domain.width, domain.height),
-            help: Some("choose a smaller --size or fewer --maps, or allow more by --memory".into()),
+            help: Some(
+                "choose a smaller --size, fewer --maps or PNG files only, or allow more by --memory".into(),
+            ),
         },
         PlanError::NoSuchMap { .. } => Failure::usage(error, "choose among these by --maps"),
         PlanError::Size { .. } => Failure::usage(error, "choose another --size"),
-    })
+    }
 }
 
 fn write_options(args: &Generate) -> Result<WriteOptions, Failure> {
@@ -203,7 +232,7 @@ struct Made {
 impl Shared<'_> {
     fn set(&self, graph: &Graph) -> Result<Made, Failure> {
         let domain = self.args.size.domain(graph.girth_mm, graph.length_mm);
-        let plan = plan(graph, self.wanted, domain, self.budget)?;
+        let (plan, slabs) = plan_set(self.options, graph, self.wanted, domain, self.budget)?;
         let id = SetId {
             domain,
             preset: graph.name.clone(),
@@ -216,10 +245,23 @@ impl Shared<'_> {
             SetWriter::new(&self.args.output, id.clone(), self.wanted.iter().copied(), self.options)?
                 .watched_by(self.watch);
         let start = Instant::now();
+        let (staged, evaluate_ms) = match &slabs {
+            None => self.whole(&plan, &writer)?,
+            Some(slabs) => self.slabs(&plan, slabs, &writer)?,
+        };
+        if self.stop.load(Ordering::Relaxed) {
+            return Err(interrupted());
+        }
+        let files = writer.finish(staged)?;
+        Ok(Made { set: id, files, plan, evaluate_ms, write_ms: ms(start) - evaluate_ms })
+    }
+
+    /// Every map whole: it is encoded and written while the next one is computed, and its planes are given back then.
+    fn whole(&self, plan: &Plan, writer: &SetWriter<'_>) -> Result<(Vec<Staged>, f64), Failure> {
+        let start = Instant::now();
         let show = |share: f32, step: &str| self.progress.evaluated(share, step);
         let control = Control { cancel: Some(self.stop), progress: Some(&show), watch: self.watch };
-        let written = Written { shared: self, writer: &writer, count: self.files(), done: Mutex::default() };
-        // A map is encoded and written while the next one is computed, and its planes are given back then.
+        let written = Written { shared: self, writer, count: self.files(), done: Mutex::default() };
         let evaluate_ms = rayon::in_place_scope(|scope| {
             let ready = |kind, planes| {
                 for (i, image) in
@@ -229,15 +271,61 @@ impl Shared<'_> {
                     scope.spawn(move |_| written.write((kind, i), image));
                 }
             };
-            eval::run_each(&plan, control, ready).map(|()| ms(start)).map_err(|_| interrupted())
+            eval::run_each(plan, control, ready).map(|()| ms(start)).map_err(|_| interrupted())
         })?;
+        Ok((written.finish()?, evaluate_ms))
+    }
+
+    /// All maps together, some hundred rows at a time, straight into their files; what is evaluated and what is written takes
+    /// turns, so the time of both is told as one.
+    fn slabs(
+        &self,
+        plan: &Plan,
+        slabs: &Slabs,
+        writer: &SetWriter<'_>,
+    ) -> Result<(Vec<Staged>, f64), Failure> {
         let start = Instant::now();
-        let staged = written.finish()?;
-        if self.stop.load(Ordering::Relaxed) {
-            return Err(interrupted());
+        let show = |share: f32, step: &str| self.progress.evaluated(share, step);
+        let control = Control { cancel: Some(self.stop), progress: Some(&show), watch: self.watch };
+        let heads: Vec<MapHead> =
+            plan.maps.iter().flat_map(|(&kind, map)| self.heads(kind, map.range)).collect();
+        let mut parts = Parts::new(writer, &heads, [plan.domain.width, plan.domain.height])?;
+        let ready = |maps: &BTreeMap<MapKind, MapRows<'_>>, end: usize| -> Result<_, IoError> {
+            let wanted = parts.rows(|kind| maps[&kind].lanes.clone(), end)?;
+            // Of two files of one map the one that lags tells what must be kept.
+            let mut least = BTreeMap::new();
+            for (kind, row) in wanted {
+                let kept = least.entry(kind).or_insert(row);
+                *kept = row.min(*kept);
+            }
+            Ok(least)
+        };
+        eval::run_slabs(plan, slabs, control, ready).map_err(|stopped| match stopped {
+            Stopped::Cancelled(_) => interrupted(),
+            Stopped::By(error) => Failure::from(error),
+        })?;
+        let evaluate_ms = ms(start);
+        let staged = parts.finish()?;
+        for file in &staged {
+            self.progress.written(&file.entry().file, self.files());
+            if let ([map], Some(extremes)) = (&file.entry().maps[..], file.extremes())
+                && map.normal_format != Some(NormalFormat::Dx)
+            {
+                self.warn_of_clipping(map.map, map.range, extremes);
+            }
         }
-        let files = writer.finish(staged)?;
-        Ok(Made { set: id, files, plan, evaluate_ms, write_ms: ms(start) })
+        Ok((staged, evaluate_ms))
+    }
+
+    /// The files of a map: of normals those asked for.
+    fn heads(&self, kind: MapKind, range: [f32; 2]) -> Vec<MapHead> {
+        let head = |normal_format| MapHead { kind, range, normal_format };
+        match self.args.normal {
+            _ if kind != MapKind::Normal => vec![head(None)],
+            NormalArg::Gl => vec![head(Some(NormalFormat::Gl))],
+            NormalArg::Dx => vec![head(Some(NormalFormat::Dx))],
+            NormalArg::Both => [NormalFormat::Gl, NormalFormat::Dx].map(|f| head(Some(f))).to_vec(),
+        }
     }
 
     /// Files of a set, but for one of all maps.
@@ -247,12 +335,10 @@ impl Shared<'_> {
     }
 
     /// Integers hold the map's range only: tell what lies outside of it.
-    fn warn_of_clipping(&self, map: &MapImage, [least, most]: [f32; 2]) {
-        let [low, high] = map.range;
+    fn warn_of_clipping(&self, kind: MapKind, [low, high]: [f32; 2], [least, most]: [f32; 2]) {
         // Filters ring and rounding is rounding: a step of 8 bits is nothing to tell.
         let slack = (high - low) / 256.0;
-        if map.kind != MapKind::ScaleId && (least < low - slack || most > high + slack) {
-            let kind = map.kind;
+        if kind != MapKind::ScaleId && (least < low - slack || most > high + slack) {
             let unit = if kind.unit().is_empty() { String::new() } else { format!(" {}", kind.unit()) };
             let message = format!(
                 "{kind} goes from {least:.4} to {most:.4}{unit}, beyond its range {low} to {high}{unit}: it is cut off"
@@ -298,7 +384,7 @@ impl Written<'_> {
         }
         // Both normals say the same, and layers have one normal map: the first.
         if let (0, Some(extremes)) = (form, files.iter().find_map(Staged::extremes)) {
-            shared.warn_of_clipping(&image, extremes);
+            shared.warn_of_clipping(image.kind, image.range, extremes);
         }
         let layered = form == 0 && shared.options.outputs.contains(&Output::ExrLayers);
         Ok(Done { files, image: layered.then_some(image) })

@@ -5,6 +5,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use rayon::prelude::*;
 
+use super::slabs::{Window, cuts};
 use crate::base::watch::{Watch, Watched, Work};
 use crate::base::{MapKind, Plane, Rows};
 use crate::node::{Cx, Inputs, Outputs, Prepared};
@@ -106,10 +107,12 @@ fn handed_out(plan: &Plan) -> Vec<Vec<MapKind>> {
     of_stage
 }
 
-struct Runner<'a> {
-    plan: &'a Plan,
+pub(super) struct Runner<'a> {
+    pub(super) plan: &'a Plan,
     control: Control<'a>,
     planes: Vec<Option<Plane>>,
+    /// Of lanes that are made slab by slab.
+    pub(super) windows: Vec<Option<Window>>,
     pool: Vec<Vec<f32>>,
     prepared: Vec<Option<Prepared>>,
     /// Maps that are still to show each lane.
@@ -119,14 +122,18 @@ struct Runner<'a> {
 }
 
 /// One row of each constant that a stage's steps read.
-struct ConstantRows {
+pub(super) struct ConstantRows {
     rows: BTreeMap<u32, Vec<f32>>,
 }
 
 impl ConstantRows {
     fn of<'s>(steps: impl Iterator<Item = &'s Step>, width: usize) -> Self {
+        Self::of_sources(steps.flat_map(|s| &s.passes).flat_map(|p| &p.inputs), width)
+    }
+
+    pub(super) fn of_sources<'s>(sources: impl Iterator<Item = &'s LaneSource>, width: usize) -> Self {
         let mut rows = BTreeMap::new();
-        for source in steps.flat_map(|s| &s.passes).flat_map(|p| &p.inputs) {
+        for source in sources {
             if let LaneSource::Const(v) = source {
                 rows.entry(v.to_bits()).or_insert_with(|| vec![*v; width]);
             }
@@ -134,13 +141,13 @@ impl ConstantRows {
         Self { rows }
     }
 
-    fn get(&self, v: f32) -> Rows<'_> {
+    pub(super) fn get(&self, v: f32) -> Rows<'_> {
         Rows::broadcast(&self.rows[&v.to_bits()])
     }
 }
 
 impl<'a> Runner<'a> {
-    fn new(plan: &'a Plan, control: Control<'a>) -> Self {
+    pub(super) fn new(plan: &'a Plan, control: Control<'a>) -> Self {
         let mut shown_by = BTreeMap::new();
         for lane in plan.maps.values().flat_map(|m| &m.lanes).filter_map(LaneSource::lane) {
             *shown_by.entry(lane).or_default() += 1;
@@ -150,6 +157,7 @@ impl<'a> Runner<'a> {
             control,
             shown_by,
             planes: vec![None; plan.homes.len()],
+            windows: plan.homes.iter().map(|_| None).collect(),
             pool: Vec::new(),
             prepared: plan.steps.iter().map(|_| None).collect(),
             total_cost: plan.steps.iter().map(Step::cost_ns).sum::<f32>().max(1e-9),
@@ -191,19 +199,25 @@ impl<'a> Runner<'a> {
         step.piece(Work::Node, piece)
     }
 
-    fn stage(&mut self, stage: &Stage) -> Result<(), Cancelled> {
-        if self.control.cancelled() {
-            return Err(Cancelled);
-        }
+    /// Whether to go on.
+    pub(super) fn check(&self) -> Result<(), Cancelled> {
+        if self.control.cancelled() { Err(Cancelled) } else { Ok(()) }
+    }
+
+    /// Let the nodes of a stage make their tables.
+    pub(super) fn prepare(&mut self, stage: &Stage) {
         for &s in stage.whole.iter().chain(&stage.rows) {
             let prepared = self.node(s, || self.plan.steps[s].node.prepare(&self.cx(s)));
             self.prepared[s] = prepared;
         }
+    }
+
+    pub(super) fn stage(&mut self, stage: &Stage) -> Result<(), Cancelled> {
+        self.check()?;
+        self.prepare(stage);
         for &s in &stage.whole {
             self.whole(s);
-            if self.control.cancelled() {
-                return Err(Cancelled);
-            }
+            self.check()?;
         }
         if !stage.rows.is_empty() {
             self.rows(stage)?;
@@ -249,52 +263,67 @@ impl<'a> Runner<'a> {
         self.report(step, 1.0);
     }
 
+    /// Lanes of a stage's rows that are planes.
+    pub(super) fn planes_of(&self, stage: &Stage) -> Vec<usize> {
+        let steps = stage.rows.iter().map(|&s| &self.plan.steps[s]);
+        let lanes = steps.flat_map(|s| &s.passes).flat_map(|p| &p.outputs).filter_map(|id| *id);
+        lanes.filter(|&id| self.plan.homes[id] == Home::Plane).collect()
+    }
+
     fn rows(&mut self, stage: &Stage) -> Result<(), Cancelled> {
-        let (width, height) = (self.plan.domain.width, self.plan.domain.height);
-        let steps = || stage.rows.iter().map(|&s| &self.plan.steps[s]);
-        let constants = ConstantRows::of(steps(), width);
-
-        // The planes this stage writes, cut into bands.
-        let ids: Vec<usize> = steps()
-            .flat_map(|s| &s.passes)
-            .flat_map(|p| &p.outputs)
-            .filter_map(|id| *id)
-            .filter(|&id| self.plan.homes[id] == Home::Plane)
-            .collect();
+        let height = self.plan.domain.height;
+        let ids = self.planes_of(stage);
         let mut written: Vec<Plane> = ids.iter().map(|_| self.take_plane()).collect();
-        // Where a lane's band stands in a band's list of slices.
-        let slot_of: BTreeMap<usize, usize> = ids.iter().enumerate().map(|(i, &id)| (id, i)).collect();
-        let band_len = stage.band_rows * width;
-        let bands = height.div_ceil(stage.band_rows);
-        let mut by_band: Vec<Vec<&mut [f32]>> = (0..bands).map(|_| Vec::with_capacity(ids.len())).collect();
-        for plane in &mut written {
-            for (band, chunk) in by_band.iter_mut().zip(plane.data_mut().chunks_mut(band_len)) {
-                band.push(chunk);
-            }
-        }
-
-        let this = &*self;
-        by_band.into_par_iter().enumerate().for_each_init(
-            || vec![vec![0.0f32; band_len]; stage.scratch_slots],
-            |scratch, (band, mut own)| {
-                if this.control.cancelled() {
-                    return;
-                }
-                let first = band * stage.band_rows;
-                let rows = stage.band_rows.min(height - first);
-                for &s in &stage.rows {
-                    this.band(s, first, rows, &constants, &slot_of, &mut own, scratch);
-                    this.report(&this.plan.steps[s], rows as f32 / height as f32);
-                }
-            },
-        );
-        if self.control.cancelled() {
-            return Err(Cancelled);
-        }
+        let cuts = cuts(0..height as i64, stage.band_rows, height);
+        self.bands(stage, &ids, &cuts, written.iter_mut().map(Plane::data_mut).collect())?;
         for (id, plane) in ids.into_iter().zip(written) {
             self.planes[id] = Some(plane);
         }
         Ok(())
+    }
+
+    /// A stage's row-wise steps over bands, given by their first row and number of rows; `parts` are those rows of the lanes
+    /// `ids`, one after another.
+    pub(super) fn bands(
+        &self,
+        stage: &Stage,
+        ids: &[usize],
+        cuts: &[(usize, usize)],
+        parts: Vec<&mut [f32]>,
+    ) -> Result<(), Cancelled> {
+        let (width, height) = (self.plan.domain.width, self.plan.domain.height);
+        let constants = ConstantRows::of(stage.rows.iter().map(|&s| &self.plan.steps[s]), width);
+        // Where a lane's band stands in a band's list of slices.
+        let slot_of: BTreeMap<usize, usize> = ids.iter().enumerate().map(|(i, &id)| (id, i)).collect();
+        let mut by_band: Vec<Vec<&mut [f32]>> = cuts.iter().map(|_| Vec::with_capacity(ids.len())).collect();
+        for mut rest in parts {
+            for (band, (_, rows)) in by_band.iter_mut().zip(cuts) {
+                let (part, after) = std::mem::take(&mut rest).split_at_mut(rows * width);
+                band.push(part);
+                rest = after;
+            }
+        }
+        by_band.into_par_iter().zip(cuts).for_each_init(
+            || vec![vec![0.0f32; stage.band_rows * width]; stage.scratch_slots],
+            |scratch, (mut own, &(first, rows))| {
+                if self.control.cancelled() {
+                    return;
+                }
+                for &s in &stage.rows {
+                    self.band(s, first, rows, &constants, &slot_of, &mut own, scratch);
+                    self.report(&self.plan.steps[s], rows as f32 / height as f32);
+                }
+            },
+        );
+        self.check()
+    }
+
+    /// The rows of a lane that are there.
+    pub(super) fn read(&self, id: usize) -> Rows<'_> {
+        match &self.windows[id] {
+            Some(window) => window.rows(self.plan.domain.width, self.plan.domain.height),
+            None => plane(&self.planes, id).rows(),
+        }
     }
 
     /// One step on one band.
@@ -334,7 +363,7 @@ impl<'a> Runner<'a> {
                         (Home::Plane, Some(&slot)) => {
                             Rows::window(&own[slot][..len], width, height, first as i64)
                         }
-                        (Home::Plane, None) => plane(&self.planes, *id).rows(),
+                        (Home::Plane, None) => self.read(*id),
                     },
                 })
                 .collect();

@@ -83,6 +83,44 @@ impl Aside {
     }
 }
 
+/// A file that is being written aside, by whoever holds its handle.
+#[derive(Debug)]
+pub(super) struct OpenAside {
+    temp: NamedTempFile,
+    path: PathBuf,
+}
+
+impl OpenAside {
+    /// Begin to write `path` aside; the handle writes it from its start.
+    pub(super) fn new(path: PathBuf) -> Result<(Self, File), IoError> {
+        let begun = || -> Result<_, Problem> {
+            if path.is_dir() {
+                return Err(Problem::IsADirectory);
+            }
+            let temp = create(path.parent().unwrap_or(Path::new("")))?;
+            let handle = temp.as_file().try_clone()?;
+            Ok((temp, handle))
+        };
+        match begun() {
+            Ok((temp, handle)) => Ok((Self { temp, path }, handle)),
+            Err(problem) => Err(problem.at(path)),
+        }
+    }
+
+    /// Where it will be.
+    pub(super) fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Hash it, now that all is written and the handle is closed.
+    pub(super) fn close(mut self, watched: Watched<'_>) -> Result<Aside, IoError> {
+        match watched.piece(Work::Write, || hash(self.temp.as_file_mut())) {
+            Ok((bytes, blake3)) => Ok(Aside { temp: self.temp, path: self.path, bytes, blake3 }),
+            Err(e) => Err(Problem::from(e).at(self.path)),
+        }
+    }
+}
+
 fn create(dir: &Path) -> std::io::Result<NamedTempFile> {
     let mut builder = tempfile::Builder::new();
     builder.prefix(PREFIX).suffix(".part");

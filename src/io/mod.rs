@@ -25,6 +25,7 @@ mod picture;
 mod png;
 mod read;
 mod sets;
+mod stream;
 mod write;
 
 pub use atomic::Aside;
@@ -39,4 +40,5 @@ pub use picture::{stage_channels, stage_picture, write_picture};
 pub use png::PngCompression;
 pub use read::{MAX_SAMPLES, load_assets, read_bytes, read_image};
 pub use sets::read_set;
+pub use stream::{MapHead, Parts};
 pub use write::{Output, SetWriter, Staged, WriteOptions, encode_png, write_set, write_text};

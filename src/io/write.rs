@@ -10,13 +10,14 @@ use super::exr::channel_names;
 use super::manifest::{
     self, Compression, Encoding, FileFormat, Manifest, ManifestEntry, MapRecord, SampleKind, SetRecord,
 };
+use super::stream::MapHead;
 use super::{
     ExrCompression, ExrOptions, ExrSample, IoError, NameError, NameTemplate, PngCompression, Problem, exr,
     png,
 };
 use crate::base::MapKind;
 use crate::base::watch::{Watch, Watched};
-use crate::maps::{Depth, EncodeOptions, MapImage, MapTold, Quantiser, SetId, TextureSet};
+use crate::maps::{Depth, EncodeOptions, MapImage, MapTold, NormalFormat, SetId, TextureSet};
 
 /// What files a set becomes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -84,10 +85,10 @@ impl Staged {
 /// Nothing appears under its name before [`SetWriter::finish`]; dropped before it, nothing is left.
 #[derive(Debug)]
 pub struct SetWriter<'a> {
-    dir: PathBuf,
+    pub(super) dir: PathBuf,
     set: SetId,
-    options: &'a WriteOptions,
-    watch: Option<&'a dyn Watch>,
+    pub(super) options: &'a WriteOptions,
+    pub(super) watch: Option<&'a dyn Watch>,
 }
 
 impl<'a> SetWriter<'a> {
@@ -175,10 +176,7 @@ impl<'a> SetWriter<'a> {
         let options = self.options;
         let layered = output == Output::ExrLayers;
         let map = (!layered).then(|| (maps[0].kind, maps[0].normal_format));
-        let file = options
-            .names
-            .file_name(&self.set, map, extension(output))
-            .map_err(|e| Problem::from(e).at(&self.dir))?;
+        let file = self.file_name(output, map)?;
         let path = self.dir.join(&file);
         let mut told = None;
         let watched = Watched { name: &file, by: self.watch };
@@ -195,6 +193,33 @@ impl<'a> SetWriter<'a> {
                 Output::Exr | Output::ExrLayers => exr::verify(maps, layered, &options.exr, file),
             })?;
         }
+        let head = |map: &&MapImage| {
+            let MapImage { kind, range, normal_format, .. } = **map;
+            MapHead { kind, range, normal_format }
+        };
+        let heads: Vec<MapHead> = maps.iter().map(head).collect();
+        Ok(self.staged(output, file, aside, &heads, told))
+    }
+
+    /// Name of a file of the set; `None` is the one of all maps.
+    pub(super) fn file_name(
+        &self,
+        output: Output,
+        map: Option<(MapKind, Option<NormalFormat>)>,
+    ) -> Result<String, IoError> {
+        let name = self.options.names.file_name(&self.set, map, extension(output));
+        name.map_err(|e| Problem::from(e).at(&self.dir))
+    }
+
+    /// A file that is written, with what the manifest will say of it.
+    pub(super) fn staged(
+        &self,
+        output: Output,
+        file: String,
+        aside: Aside,
+        maps: &[MapHead],
+        told: Option<MapTold>,
+    ) -> Staged {
         let entry = ManifestEntry {
             file,
             format: if output == Output::Png { FileFormat::Png } else { FileFormat::Exr },
@@ -203,7 +228,7 @@ impl<'a> SetWriter<'a> {
             compression: self.compression(output),
             maps: maps.iter().map(|map| self.record(output, map, told)).collect(),
         };
-        Ok(Staged { aside, entry, extremes: told.map(|t| t.extremes) })
+        Staged { aside, entry, extremes: told.map(|t| t.extremes) }
     }
 
     /// What the manifest says of the compression: nothing where it is the usual one.
@@ -215,7 +240,7 @@ impl<'a> SetWriter<'a> {
         }
     }
 
-    fn record(&self, output: Output, map: &MapImage, told: Option<MapTold>) -> MapRecord {
+    fn record(&self, output: Output, map: &MapHead, told: Option<MapTold>) -> MapRecord {
         let kind = map.kind;
         let (channels, sample, encoding, error) = if output == Output::Png {
             let channels = if kind.channels() == 3 { "RGB" } else { "Y" };
@@ -225,9 +250,7 @@ impl<'a> SetWriter<'a> {
             };
             let encoding = match kind {
                 MapKind::Color => Encoding::Srgb,
-                MapKind::ScaleId if Quantiser::new(map, &self.options.encode).wraps_ids() => {
-                    Encoding::IdLow16
-                }
+                MapKind::ScaleId if told.is_some_and(|told| told.wraps_ids()) => Encoding::IdLow16,
                 MapKind::ScaleId => Encoding::Value,
                 _ => Encoding::Linear,
             };
@@ -309,7 +332,6 @@ mod tests {
     use super::*;
     use crate::base::{Domain, Plane, hash};
     use crate::io::{FileStatus, verify_dir};
-    use crate::maps::NormalFormat;
     use std::collections::BTreeMap;
     use std::sync::Mutex;
 

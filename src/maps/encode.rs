@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::MapImage;
 use super::samples::{self, RowError};
-use crate::base::{MapKind, hash};
+use crate::base::{MapKind, Plane, Rows, hash};
 
 /// Bits of an integer sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -89,7 +89,9 @@ enum Rule {
 /// Turns the rows of one map into samples.
 #[derive(Debug)]
 pub struct Quantiser<'a> {
-    map: &'a MapImage,
+    kind: MapKind,
+    range: [f32; 2],
+    lanes: Vec<Rows<'a>>,
     depth: Depth,
     dither: bool,
     rule: Rule,
@@ -98,12 +100,17 @@ pub struct Quantiser<'a> {
 impl<'a> Quantiser<'a> {
     /// The quantiser of a map.
     pub fn new(map: &'a MapImage, options: &EncodeOptions) -> Self {
-        let depth = options.depth(map.kind);
-        let rule = match map.kind {
+        Self::of_rows(map.kind, map.range, map.planes.iter().map(Plane::rows).collect(), options)
+    }
+
+    /// The quantiser of some rows of a map in this range, a lane for each channel.
+    pub fn of_rows(kind: MapKind, range: [f32; 2], lanes: Vec<Rows<'a>>, options: &EncodeOptions) -> Self {
+        let depth = options.depth(kind);
+        let rule = match kind {
             MapKind::Color => Rule::Srgb,
             MapKind::ScaleId => Rule::Id,
             _ => {
-                let [lo, hi] = map.range;
+                let [lo, hi] = range;
                 let span = hi - lo;
                 let usable = lo.is_finite() && span.is_finite() && span > 0.0 && (1.0 / span).is_finite();
                 Rule::Linear {
@@ -112,7 +119,7 @@ impl<'a> Quantiser<'a> {
                 }
             }
         };
-        Self { map, depth, dither: options.dither && depth == Depth::Eight, rule }
+        Self { kind, range, lanes, depth, dither: options.dither && depth == Depth::Eight, rule }
     }
 
     /// Bits of a sample.
@@ -120,14 +127,24 @@ impl<'a> Quantiser<'a> {
         self.depth
     }
 
-    /// Bytes of a row of samples.
-    pub fn row_bytes(&self) -> usize {
-        self.map.width() * self.map.planes.len() * self.depth.bytes()
+    /// What the map is.
+    pub fn kind(&self) -> MapKind {
+        self.kind
     }
 
-    /// Whether an id of this map needs more than 16 bits, so that samples hold its low 16 bits only.
-    pub fn wraps_ids(&self) -> bool {
-        self.rule == Rule::Id && self.map.planes[0].data().iter().any(|&id| id > 65_535.0)
+    /// Channels.
+    pub fn channels(&self) -> usize {
+        self.lanes.len()
+    }
+
+    /// Bytes of a row of samples.
+    pub fn row_bytes(&self) -> usize {
+        self.width() * self.lanes.len() * self.depth.bytes()
+    }
+
+    /// Texels of a row.
+    pub fn width(&self) -> usize {
+        self.lanes[0].width()
     }
 
     /// Row `y` as interleaved samples, big-endian where they have 16 bits, into `out` ([`Self::row_bytes`] long).
@@ -136,8 +153,8 @@ impl<'a> Quantiser<'a> {
     pub fn row(&self, y: usize, codes: &mut Vec<u16>, out: &mut [u8]) {
         debug_assert_eq!(out.len(), self.row_bytes());
         self.codes(y, codes);
-        let width = self.map.width();
-        match (self.depth, self.map.planes.len()) {
+        let width = self.width();
+        match (self.depth, self.lanes.len()) {
             (Depth::Eight, 1) => samples::pack_grey8(codes, out),
             (Depth::Sixteen, 1) => samples::pack_grey16(codes, out),
             (depth, _) => {
@@ -154,7 +171,7 @@ impl<'a> Quantiser<'a> {
     /// What is to be told of row `y`, from the codes that [`Self::row`] left.
     pub fn told(&self, y: usize, codes: &[u16]) -> RowTold {
         let mut told = RowTold { extremes: [f32::INFINITY, f32::NEG_INFINITY], ..RowTold::default() };
-        for (plane, codes) in self.map.planes.iter().zip(codes.chunks(self.map.width())) {
+        for (plane, codes) in self.lanes.iter().zip(codes.chunks(self.width())) {
             let row = plane.row(y as i64);
             let (max, sum) = self.error(row, codes);
             told.max = told.max.max(max);
@@ -166,12 +183,12 @@ impl<'a> Quantiser<'a> {
 
     /// The samples of row `y`, channel by channel.
     fn codes(&self, y: usize, codes: &mut Vec<u16>) {
-        let width = self.map.width();
-        codes.resize(width * self.map.planes.len(), 0);
+        let width = self.width();
+        codes.resize(width * self.lanes.len(), 0);
         let max = f32::from(self.depth.max());
-        for (c, (plane, out)) in self.map.planes.iter().zip(codes.chunks_mut(width)).enumerate() {
+        for (c, (plane, out)) in self.lanes.iter().zip(codes.chunks_mut(width)).enumerate() {
             let row = plane.row(y as i64);
-            let seed = hash::hash2(0x0d17_4e12, self.map.kind as u32, c as u32);
+            let seed = hash::hash2(0x0d17_4e12, self.kind as u32, c as u32);
             match self.rule {
                 Rule::Srgb if self.dither => samples::srgb_dithered(row, max, seed, y as u32, out),
                 Rule::Srgb => samples::srgb(row, max, out),
@@ -190,7 +207,7 @@ impl<'a> Quantiser<'a> {
         match self.rule {
             Rule::Srgb => samples::srgb_error(row, codes, step),
             Rule::Linear { offset, .. } => {
-                samples::linear_error(row, codes, offset, (self.map.range[1] - offset) * step)
+                samples::linear_error(row, codes, offset, (self.range[1] - offset) * step)
             }
             Rule::Id => samples::linear_error(row, codes, 0.0, 1.0),
         }
@@ -218,20 +235,25 @@ pub struct MapTold {
 }
 
 impl MapTold {
-    /// Of all rows of a map, in order: the sum depends on it.
-    pub fn of_rows(map: &MapImage, rows: impl IntoIterator<Item = RowTold>) -> Self {
+    /// Of all rows of a map of so many values, in order: the sum depends on it.
+    pub fn of_rows(values: usize, rows: impl IntoIterator<Item = RowTold>) -> Self {
         let start = RowTold { extremes: [f32::INFINITY, f32::NEG_INFINITY], ..RowTold::default() };
         let all = rows.into_iter().fold(start, |all, row| RowTold {
             max: all.max.max(row.max),
             sum: all.sum + row.sum,
             extremes: union(all.extremes, row.extremes),
         });
-        let count = (map.width() * map.height() * map.planes.len()) as f64;
+        let count = values as f64;
         let [least, most] = all.extremes;
         Self {
             error: QuantError { max: all.max, rms: (all.sum / count).sqrt() as f32 },
             extremes: if least <= most { all.extremes } else { [0.0; 2] },
         }
+    }
+
+    /// Whether a map of ids has one that needs more than 16 bits, so that samples hold its low 16 bits only.
+    pub fn wraps_ids(&self) -> bool {
+        self.extremes[1] > 65_535.0
     }
 }
 
@@ -247,13 +269,13 @@ pub fn quantisation_error(map: &MapImage, options: &EncodeOptions) -> QuantError
         quantiser.told(y, codes)
     };
     let rows: Vec<_> = (0..map.height()).into_par_iter().map_init(Vec::new, row).collect();
-    MapTold::of_rows(map, rows).error
+    MapTold::of_rows(map.width() * map.height() * map.planes.len(), rows).error
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::base::{LinearRgb, Plane, Srgb8};
+    use crate::base::{LinearRgb, Srgb8};
     use proptest::prelude::*;
 
     fn samples(map: &MapImage, options: &EncodeOptions) -> Vec<u16> {
@@ -272,6 +294,13 @@ mod tests {
 
     fn grey(kind: MapKind, values: &[f32]) -> MapImage {
         MapImage::new(kind, vec![Plane::from_vec(values.len(), 1, values.to_vec())])
+    }
+
+    fn wraps(map: &MapImage) -> bool {
+        let quantiser = Quantiser::new(map, &EncodeOptions::default());
+        let mut codes = Vec::new();
+        quantiser.codes(0, &mut codes);
+        MapTold::of_rows(map.width(), [quantiser.told(0, &codes)]).wraps_ids()
     }
 
     fn with_depth(kind: MapKind, depth: Depth) -> EncodeOptions {
@@ -323,11 +352,11 @@ mod tests {
         let map = grey(MapKind::ScaleId, &[0.0, 1.0, 65535.0]);
         let q = EncodeOptions::default();
         assert_eq!(samples(&map, &q), [0, 1, 65535]);
-        assert!(!Quantiser::new(&map, &q).wraps_ids());
+        assert!(!wraps(&map));
         assert_eq!(quantisation_error(&map, &q), QuantError::default());
         let map = grey(MapKind::ScaleId, &[65536.0, 65539.0, 1_000_000.0]);
         assert_eq!(samples(&map, &q), [0, 3, (1_000_000 % 65536) as u16]);
-        assert!(Quantiser::new(&map, &q).wraps_ids());
+        assert!(wraps(&map));
         assert_eq!(with_depth(MapKind::ScaleId, Depth::Eight).depth(MapKind::ScaleId), Depth::Sixteen);
     }
 

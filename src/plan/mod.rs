@@ -7,7 +7,10 @@
 //!    inside it stay in scratch that fits the cache and never become planes.
 
 mod lower;
+mod slab;
 mod stage;
+
+pub use slab::Slabs;
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -192,6 +195,30 @@ impl Plan {
                 Err(PlanError::Memory { need: plan.peak_bytes, budget })
             }
             _ => Ok(plan),
+        }
+    }
+
+    /// Plan the wanted maps, all at once if `budget` (bytes) allows it, else slab by slab, for a caller who can take rows as
+    /// they come and wants at most so many of them `again` with the next slab.
+    ///
+    /// # Errors
+    /// As [`Plan::new`]; the memory that is needed is then that of the thinnest slabs.
+    pub fn in_slabs(
+        graph: &Graph,
+        wanted: &[MapKind],
+        domain: Domain,
+        budget: Option<u64>,
+        again: usize,
+    ) -> Result<(Self, Option<Slabs>), PlanError> {
+        let mut plan = Self::new(graph, wanted, domain, None)?;
+        match budget {
+            Some(budget) if plan.peak_bytes > budget => {
+                let refused = |need| PlanError::Memory { need, budget };
+                let (slabs, bytes) = slab::slabs(&plan, budget, again).map_err(refused)?;
+                plan.peak_bytes = bytes;
+                Ok((plan, Some(slabs)))
+            }
+            _ => Ok((plan, None)),
         }
     }
 

@@ -43,11 +43,11 @@ fn band_rows(domain: &Domain, slots: usize) -> usize {
     (BAND_BYTES / row_bytes).clamp(1, BAND_ROWS)
 }
 
-fn lanes_read(step: &Step) -> impl Iterator<Item = LaneId> + '_ {
+pub(super) fn lanes_read(step: &Step) -> impl Iterator<Item = LaneId> + '_ {
     step.passes.iter().flat_map(|p| &p.inputs).filter_map(LaneSource::lane)
 }
 
-fn lanes_written(step: &Step) -> impl Iterator<Item = LaneId> + '_ {
+pub(super) fn lanes_written(step: &Step) -> impl Iterator<Item = LaneId> + '_ {
     step.passes.iter().flat_map(|p| &p.outputs).filter_map(|id| *id)
 }
 

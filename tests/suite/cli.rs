@@ -342,8 +342,11 @@ fn one_bad_preset_of_many_stops_all_before_anything_is_written() {
 #[test]
 fn more_memory_than_allowed_is_refused_with_the_numbers() {
     let dir = folder(PRESET);
-    let args = ["generate", "snake.toml", "--size", "16384", "--memory", "64M"];
+    let args = ["generate", "snake.toml", "--size", "16384", "--format", "png,exr", "--memory", "64M"];
     refused(&dir, &args, 4, &["8192 x 16384", "may use 64 MiB", "--memory"]);
+    // PNG files alone can be made a few rows at a time, but not of nothing.
+    let args = ["generate", "snake.toml", "--size", "16384", "--memory", "1M"];
+    refused(&dir, &args, 4, &["8192 x 16384", "may use 1 MiB", "--memory"]);
 }
 
 #[test]

@@ -18,5 +18,6 @@ mod registration;
 mod render;
 mod report;
 mod resolution;
+mod slabs;
 mod species;
 mod tiling;

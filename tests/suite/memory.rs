@@ -4,10 +4,12 @@
 //! with one ignored test.
 #![cfg(target_os = "linux")]
 
+use std::collections::BTreeMap;
+use std::convert::Infallible;
 use std::process::Command;
 
-use ophidian::base::MapKind;
-use ophidian::eval::{Control, run};
+use ophidian::base::{Domain, MapKind};
+use ophidian::eval::{Control, MapRows, run, run_slabs};
 use ophidian::graph::Graph;
 use ophidian::plan::Plan;
 use ophidian::preset::Document;
@@ -65,19 +67,49 @@ fn measure() {
     println!("took {took} planned {}", plan.peak_bytes);
 }
 
+/// The same slab by slab, at a size whose planes would take ten times as much.
+#[test]
+#[ignore = "run by the test below, alone in its process"]
+fn measure_slabs() {
+    let graph = made::graph("lampropeltis_triangulum", &[]);
+    let domain = Domain { width: 1024, height: 12_288, ..made::domain(&graph, 1024) };
+    let budget = Some(96 << 20);
+    let (plan, slabs) = Plan::in_slabs(&graph, &MapKind::ALL, domain, budget, 16).expect("a plan");
+    let slabs = slabs.expect("it does not fit whole");
+    rayon::broadcast(|_| ());
+    std::fs::write("/proc/self/clear_refs", "5").expect("a process may reset its own");
+    let before = status("VmRSS");
+    let ready = |maps: &BTreeMap<MapKind, MapRows<'_>>, end: usize| -> Result<_, Infallible> {
+        Ok(maps.keys().map(|&kind| (kind, end - 16)).collect())
+    };
+    run_slabs(&plan, &slabs, Control::default(), ready).expect("nobody stops");
+    println!("took {} planned {}", status("VmHWM") - before, plan.peak_bytes);
+}
+
+/// Bytes taken and planned, as a test of this binary tells them alone in a process.
+fn measured(test: &str, case: &str) -> (f64, f64) {
+    let output = Command::new(std::env::current_exe().expect("a path"))
+        .args([test, "--exact", "--ignored", "--nocapture"])
+        .env("OPHIDIAN_TEST_CASE", case)
+        .output()
+        .expect("the test binary runs");
+    let text = String::from_utf8_lossy(&output.stdout);
+    let line = text.lines().find(|line| line.contains("took ")).unwrap_or_else(|| panic!("{text}"));
+    let words: Vec<&str> = line[line.find("took").unwrap_or(0)..].split_whitespace().collect();
+    let number = |i: usize| words[i].parse::<f64>().expect("a number");
+    (number(1), number(3))
+}
+
 #[test]
 fn the_planned_peak_is_within_a_tenth_of_the_measured_one() {
     for (name, ..) in cases() {
-        let output = Command::new(std::env::current_exe().expect("a path"))
-            .args(["memory::measure", "--exact", "--ignored", "--nocapture"])
-            .env("OPHIDIAN_TEST_CASE", name)
-            .output()
-            .expect("the test binary runs");
-        let text = String::from_utf8_lossy(&output.stdout);
-        let line = text.lines().find(|line| line.contains("took ")).unwrap_or_else(|| panic!("{text}"));
-        let words: Vec<&str> = line[line.find("took").unwrap_or(0)..].split_whitespace().collect();
-        let number = |i: usize| words[i].parse::<f64>().expect("a number");
-        let (took, planned) = (number(1), number(3));
+        let (took, planned) = measured("memory::measure", name);
         assert!((planned / took - 1.0).abs() < 0.1, "{name}: took {took}, planned {planned}");
     }
+}
+
+#[test]
+fn the_planned_peak_of_slabs_is_within_a_tenth_of_the_measured_one() {
+    let (took, planned) = measured("memory::measure_slabs", "");
+    assert!((planned / took - 1.0).abs() < 0.1, "took {took}, planned {planned}");
 }

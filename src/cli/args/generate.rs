@@ -66,7 +66,8 @@ pub(in crate::cli) struct Generate {
     /// Threads; all cores unless set. The files do not depend on it.
     #[arg(long, env = "OPHIDIAN_THREADS", value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub(in crate::cli) threads: Option<u16>,
-    /// Most memory for maps, such as 4G or 512M; what is free unless set.
+    /// Most memory for maps, such as 4G or 512M; what is free unless set. PNG files that need more are made some hundred
+    /// rows at a time; other formats are refused.
     #[arg(long, value_name = "SIZE")]
     pub(in crate::cli) memory: Option<BytesArg>,
     /// Read every file back and compare before it takes its name.

@@ -20,7 +20,7 @@ use self::strip::{Scratch, Strip};
 use super::Problem;
 use crate::base::MapKind;
 use crate::base::watch::{Watched, Work};
-use crate::maps::{Depth, EncodeOptions, MapImage, MapTold, Quantiser};
+use crate::maps::{Depth, EncodeOptions, MapImage, MapTold, Quantiser, RowTold};
 
 /// How much time is spent to make PNG files smaller; all are lossless.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -35,8 +35,15 @@ pub enum PngCompression {
     Small,
 }
 
-fn color_type(map: &MapImage) -> ColorType {
-    if map.planes.len() == 3 { ColorType::Rgb } else { ColorType::Grayscale }
+impl PngCompression {
+    /// Rows that are compressed together at most, of a map of this width.
+    pub fn most_strip_rows(self, width: usize) -> usize {
+        strip::rows(self, width)
+    }
+}
+
+fn color_type(channels: usize) -> ColorType {
+    if channels == 3 { ColorType::Rgb } else { ColorType::Grayscale }
 }
 
 fn bit_depth(depth: Depth) -> BitDepth {
@@ -54,54 +61,160 @@ pub(super) fn write(
     watched: Watched<'_>,
     out: impl Write,
 ) -> Result<MapTold, Problem> {
-    let (width, height) = (map.width(), map.height());
-    let side = |n: usize| {
-        i32::try_from(n).map(i32::unsigned_abs).map_err(|_| Problem::Unencodable { width, height })
-    };
     let quantiser = Quantiser::new(map, options);
-    let mut encoder = ::png::Encoder::new(out, side(width)?, side(height)?);
-    encoder.set_color(color_type(map));
-    encoder.set_depth(bit_depth(quantiser.depth()));
-    if map.kind == MapKind::Color {
-        encoder.set_source_srgb(SrgbRenderingIntent::Perceptual);
-    } else {
-        encoder.set_source_gamma(ScaledFloat::new(1.0));
+    let mut stream = Stream::new(&quantiser, map.height(), compression, false, out)?;
+    stream.advance(&quantiser, map.height(), watched)?;
+    Ok(stream.finish()?.0)
+}
+
+/// A file whose rows come in order, some at a time; the bytes do not depend on how many.
+pub(super) struct Stream<W: Write> {
+    writer: ::png::Writer<W>,
+    compression: PngCompression,
+    /// Values of a row, and rows.
+    size: (usize, usize),
+    strip_rows: usize,
+    /// The first row that is not encoded.
+    next: usize,
+    told: Vec<RowTold>,
+    /// Of the samples of each strip, where they will be compared.
+    hashes: Option<Vec<blake3::Hash>>,
+    adler: u32,
+    chunk: Vec<u8>,
+}
+
+impl<W: Write> Stream<W> {
+    /// Begin a file of so many rows like those of the quantiser. `hashed`: it will be compared by [`verify_hashes`].
+    pub(super) fn new(
+        quantiser: &Quantiser<'_>,
+        height: usize,
+        compression: PngCompression,
+        hashed: bool,
+        out: W,
+    ) -> Result<Self, Problem> {
+        let width = quantiser.width();
+        let side = |n: usize| {
+            i32::try_from(n).map(i32::unsigned_abs).map_err(|_| Problem::Unencodable { width, height })
+        };
+        let mut encoder = ::png::Encoder::new(out, side(width)?, side(height)?);
+        encoder.set_color(color_type(quantiser.channels()));
+        encoder.set_depth(bit_depth(quantiser.depth()));
+        if quantiser.kind() == MapKind::Color {
+            encoder.set_source_srgb(SrgbRenderingIntent::Perceptual);
+        } else {
+            encoder.set_source_gamma(ScaledFloat::new(1.0));
+        }
+        Ok(Self {
+            writer: encoder.write_header().map_err(problem)?,
+            compression,
+            size: (width * quantiser.channels(), height),
+            strip_rows: strip::rows(compression, quantiser.row_bytes()),
+            next: 0,
+            told: Vec::with_capacity(height),
+            hashes: hashed.then(Vec::new),
+            adler: 1,
+            // The head of a zlib stream: deflate, a window of 32 KiB.
+            chunk: vec![0x78, 0x01],
+        })
     }
-    let mut writer = encoder.write_header().map_err(problem)?;
-    let rows = strip::rows(compression, quantiser.row_bytes());
-    let starts: Vec<usize> = (0..height).step_by(rows).collect();
-    let mut told = Vec::with_capacity(height);
-    let mut adler = 1;
-    // The head of a zlib stream: deflate, a window of 32 KiB.
-    let mut chunk = vec![0x78, 0x01];
-    for batch in starts.chunks(4 * rayon::current_num_threads().max(1)) {
-        let strips: Vec<Result<Strip, Problem>> = batch
-            .par_iter()
-            .with_max_len(1)
-            .map_init(Scratch::default, |scratch, &first| {
-                let strip = || strip::encode(map, &quantiser, compression, first, scratch);
-                watched.piece(Work::Encode, strip)
-            })
-            .collect();
-        for strip in strips {
-            let strip = strip?;
-            if !told.is_empty() {
-                watched
-                    .piece(Work::Write, || writer.write_chunk(::png::chunk::IDAT, &chunk))
-                    .map_err(problem)?;
-                chunk.clear();
+
+    /// The first row that is not encoded.
+    pub(super) fn next(&self) -> usize {
+        self.next
+    }
+
+    /// Rows of the whole file.
+    pub(super) fn height(&self) -> usize {
+        self.size.1
+    }
+
+    /// Encode the strips that lie before row `end`: the quantiser holds all rows from [`Stream::next`] to there.
+    pub(super) fn advance(
+        &mut self,
+        quantiser: &Quantiser<'_>,
+        end: usize,
+        watched: Watched<'_>,
+    ) -> Result<(), Problem> {
+        let (height, rows) = (self.size.1, self.strip_rows);
+        let strips = (self.next..end).step_by(rows).map(|first| first..(first + rows).min(height));
+        let strips: Vec<_> = strips.filter(|strip| strip.end <= end).collect();
+        for batch in strips.chunks(4 * rayon::current_num_threads().max(1)) {
+            let made: Vec<Result<Strip, Problem>> = batch
+                .par_iter()
+                .with_max_len(1)
+                .map_init(Scratch::default, |scratch, rows| {
+                    let hashed = self.hashes.is_some();
+                    let strip = || strip::encode(quantiser, self.compression, rows.clone(), hashed, scratch);
+                    watched.piece(Work::Encode, strip)
+                })
+                .collect();
+            for strip in made {
+                self.put(strip?, watched)?;
             }
-            adler = zlib_rs::adler32::adler32_combine(adler, strip.adler, strip.length);
-            told.extend(strip.told);
-            chunk.extend(strip.bytes);
+            self.next = batch.last().map_or(self.next, |rows| rows.end);
+        }
+        Ok(())
+    }
+
+    fn put(&mut self, strip: Strip, watched: Watched<'_>) -> Result<(), Problem> {
+        if !self.told.is_empty() {
+            watched
+                .piece(Work::Write, || self.writer.write_chunk(::png::chunk::IDAT, &self.chunk))
+                .map_err(problem)?;
+            self.chunk.clear();
+        }
+        self.adler = zlib_rs::adler32::adler32_combine(self.adler, strip.adler, strip.length);
+        self.told.extend(strip.told);
+        self.chunk.extend(strip.bytes);
+        if let (Some(hashes), Some(hash)) = (&mut self.hashes, strip.samples) {
+            hashes.push(hash);
+        }
+        Ok(())
+    }
+
+    /// End the file, all of whose rows are encoded; returns what was found out, and the hashes of its strips if they were
+    /// asked for.
+    pub(super) fn finish(mut self) -> Result<(MapTold, Vec<blake3::Hash>), Problem> {
+        debug_assert_eq!(self.next, self.size.1, "rows are missing");
+        // The last block, which is empty, and the checksum.
+        self.chunk.extend([0x03, 0x00]);
+        self.chunk.extend(self.adler.to_be_bytes());
+        self.writer.write_chunk(::png::chunk::IDAT, &self.chunk).map_err(problem)?;
+        self.writer.finish().map_err(problem)?;
+        let (values, rows) = self.size;
+        Ok((MapTold::of_rows(values * rows, self.told), self.hashes.unwrap_or_default()))
+    }
+}
+
+/// Decode what a [`Stream`] wrote, and compare every sample by the hashes of its strips.
+pub(super) fn verify_hashes(
+    row_bytes: usize,
+    compression: PngCompression,
+    hashes: &[blake3::Hash],
+    file: &mut File,
+) -> Result<(), Problem> {
+    let differs = |what: String| Problem::ReadBack(what);
+    let mut decoder = ::png::Decoder::new(BufReader::with_capacity(1 << 18, file));
+    decoder.ignore_checksums(false);
+    let mut reader = decoder.read_info().map_err(|e| differs(e.to_string()))?;
+    let (height, rows) = (reader.info().height as usize, strip::rows(compression, row_bytes));
+    if height.div_ceil(rows) != hashes.len() {
+        return Err(differs(format!("the header differs: {height} rows")));
+    }
+    for (first, hash) in (0..height).step_by(rows).zip(hashes) {
+        let mut hasher = blake3::Hasher::new();
+        for y in first..(first + rows).min(height) {
+            match reader.next_row() {
+                Ok(Some(found)) if found.data().len() == row_bytes => hasher.update(found.data()),
+                Ok(_) => return Err(differs(format!("row {y} differs"))),
+                Err(e) => return Err(differs(format!("row {y}: {e}"))),
+            };
+        }
+        if hasher.finalize() != *hash {
+            return Err(differs(format!("one of the rows from {first} on differs")));
         }
     }
-    // The last block, which is empty, and the checksum.
-    chunk.extend([0x03, 0x00]);
-    chunk.extend(adler.to_be_bytes());
-    writer.write_chunk(::png::chunk::IDAT, &chunk).map_err(problem)?;
-    writer.finish().map_err(problem)?;
-    Ok(MapTold::of_rows(map, told))
+    reader.finish().map_err(|e| differs(e.to_string()))
 }
 
 /// Decode what [`write()`] wrote and compare every sample.
@@ -113,7 +226,7 @@ pub(super) fn verify(map: &MapImage, options: &EncodeOptions, file: &mut File) -
     let mut reader = decoder.read_info().map_err(|e| differs(e.to_string()))?;
     let info = reader.info();
     let found = (info.width as usize, info.height as usize, info.color_type, info.bit_depth);
-    if found != (map.width(), map.height(), color_type(map), bit_depth(quantiser.depth())) {
+    if found != (map.width(), map.height(), color_type(map.planes.len()), bit_depth(quantiser.depth())) {
         return Err(differs(format!("the header differs: {found:?}")));
     }
     let (mut scratch, mut row) = (Vec::new(), vec![0; quantiser.row_bytes()]);

@@ -4,12 +4,14 @@
 //! ends at a byte: one after another they are one zlib stream. Where strips begin depends on the size of the map only, and
 //! so do the bytes.
 
+use std::ops::Range;
+
 use zlib_rs::{Deflate, DeflateConfig, DeflateFlush, Status};
 
 use super::filter::{self, Filter};
 use super::{PngCompression, huffman};
 use crate::io::Problem;
-use crate::maps::{MapImage, Quantiser, RowTold};
+use crate::maps::{Quantiser, RowTold};
 
 /// Bytes of a strip, about: its samples and what becomes of them stay in the second cache.
 const FAST_BYTES: usize = 1 << 17;
@@ -64,6 +66,8 @@ pub(super) struct Strip {
     pub(super) length: u64,
     /// What encoding found out about the rows.
     pub(super) told: Vec<RowTold>,
+    /// BLAKE3 of the samples, where they will be compared.
+    pub(super) samples: Option<blake3::Hash>,
 }
 
 /// Buffers that strips of one thread use again.
@@ -75,24 +79,25 @@ pub(super) struct Scratch {
     tried: Vec<u8>,
 }
 
-/// Encode the rows from `first` on.
+/// Encode the rows of a strip.
 pub(super) fn encode(
-    map: &MapImage,
     quantiser: &Quantiser<'_>,
     compression: PngCompression,
-    first: usize,
+    strip_rows: Range<usize>,
+    hashed: bool,
     scratch: &mut Scratch,
 ) -> Result<Strip, Problem> {
     let Scratch { codes, samples, filtered, tried } = scratch;
     let row_bytes = quantiser.row_bytes();
-    let count = rows(compression, row_bytes).min(map.height() - first);
-    samples.resize(count * row_bytes, 0);
-    let told = samples.chunks_exact_mut(row_bytes).zip(first..).map(|(row, y)| {
+    samples.resize(strip_rows.len() * row_bytes, 0);
+    let told = samples.chunks_exact_mut(row_bytes).zip(strip_rows).map(|(row, y)| {
         quantiser.row(y, codes, row);
         quantiser.told(y, codes)
     });
-    let mut strip = Strip { told: told.collect(), bytes: Vec::new(), adler: 1, length: 0 };
-    let texel_bytes = row_bytes / map.width();
+    let told = told.collect();
+    let hash = hashed.then(|| blake3::hash(samples));
+    let mut strip = Strip { told, bytes: Vec::new(), adler: 1, length: 0, samples: hash };
+    let texel_bytes = row_bytes / quantiser.width();
     for &(filter, coder) in candidates(compression) {
         filtered.clear();
         filter::rows(samples, row_bytes, texel_bytes, filter, filtered);
