@@ -6,6 +6,7 @@ use rayon::prelude::*;
 
 use super::MapImage;
 use super::samples::{self, RowError};
+use super::srgb::{self, Codes};
 use crate::base::{MapKind, Plane, Rows, hash};
 
 /// Bits of an integer sample.
@@ -191,6 +192,7 @@ impl<'a> Quantiser<'a> {
             let seed = hash::hash2(0x0d17_4e12, self.kind as u32, c as u32);
             match self.rule {
                 Rule::Srgb if self.dither => samples::srgb_dithered(row, max, seed, y as u32, out),
+                Rule::Srgb if self.depth == Depth::Eight => srgb::codes(Codes::get(), row, out),
                 Rule::Srgb => samples::srgb(row, max, out),
                 Rule::Linear { offset, scale } if self.dither => {
                     samples::linear_dithered(row, offset, scale, max, seed, y as u32, out);
@@ -205,6 +207,7 @@ impl<'a> Quantiser<'a> {
     fn error(&self, row: &[f32], codes: &[u16]) -> RowError {
         let step = 1.0 / f32::from(self.depth.max());
         match self.rule {
+            Rule::Srgb if self.depth == Depth::Eight => samples::srgb8_error(row, codes, Codes::get()),
             Rule::Srgb => samples::srgb_error(row, codes, step),
             Rule::Linear { offset, .. } => {
                 samples::linear_error(row, codes, offset, (self.range[1] - offset) * step)

@@ -15,6 +15,7 @@ mod assemble;
 mod encode;
 mod hash;
 mod samples;
+mod srgb;
 
 use std::collections::BTreeMap;
 

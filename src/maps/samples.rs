@@ -1,21 +1,13 @@
 //! Kernels of encoding: values to codes, codes to bytes, and how far codes are from values.
 
+use super::srgb::Codes;
 use crate::base::{color, hash, num};
 use crate::multiversion;
-
-/// The whole part of `v` in [0, 65536): the same as a cast, which LLVM does value by value.
-#[inline(always)]
-fn whole(v: f32) -> u16 {
-    // At 2^23 and above floats are whole numbers: the sum is `v` rounded, at most one too great.
-    let rounded = v + 8_388_608.0;
-    let one_too_great = u32::from(rounded - 8_388_608.0 > v);
-    (rounded.to_bits() - one_too_great) as u16
-}
 
 /// The nearest sample of `x` in [0, 1]; at 16 bits the f32 product is exact to 1/256 of a step.
 #[inline(always)]
 fn nearest(x: f32, max: f32) -> u16 {
-    whole(num::saturate(x) * max + 0.5)
+    num::whole(num::saturate(x) * max + 0.5) as u16
 }
 
 /// The sample below or above `x`, chosen so that the mean over texels is `x`; exact samples stay as they are.
@@ -23,7 +15,7 @@ fn nearest(x: f32, max: f32) -> u16 {
 fn dithered(x: f32, max: f32, seed: u32, col: u32, row: u32) -> u16 {
     // One step less than 1: 255 + 0.99999 must not round to 256 in f32.
     let noise = hash::unit(hash::hash2(seed, col, row)) * 0.9999;
-    whole(num::saturate(x) * max + noise)
+    num::whole(num::saturate(x) * max + noise) as u16
 }
 
 multiversion! {
@@ -113,47 +105,80 @@ const LANES: usize = 16;
 /// Largest and summed squared error of codes.
 pub(super) type RowError = (f32, f64);
 
-multiversion! {
-    pub(super) fn linear_error(row: &[f32], codes: &[u16], offset: f32, step: f32) -> RowError {
-        let (mut max, mut sum) = ([0.0f32; LANES], [0.0f32; LANES]);
-        let (rows, row_rest) = row.as_chunks::<LANES>();
-        let (all, codes_rest) = codes.as_chunks::<LANES>();
-        for (row, codes) in rows.iter().zip(all) {
-            for i in 0..LANES {
-                let (v, code) = (row[i], codes[i]);
-                let e = (v - (offset + f32::from(code) * step)).abs();
-                max[i] = max[i].max(e);
-                sum[i] += e * e;
-            }
-        }
-        for (i, (&v, &code)) in row_rest.iter().zip(codes_rest).enumerate() {
-            let e = (v - (offset + f32::from(code) * step)).abs();
+/// What codes stand for.
+trait Decode: Copy {
+    fn value(self, code: u16) -> f32;
+}
+
+#[derive(Clone, Copy)]
+struct Linear {
+    offset: f32,
+    step: f32,
+}
+
+impl Decode for Linear {
+    #[inline(always)]
+    fn value(self, code: u16) -> f32 {
+        self.offset + f32::from(code) * self.step
+    }
+}
+
+/// Linear light behind the sRGB transfer function.
+#[derive(Clone, Copy)]
+struct Srgb {
+    step: f32,
+}
+
+impl Decode for Srgb {
+    #[inline(always)]
+    fn value(self, code: u16) -> f32 {
+        color::srgb_to_linear(f32::from(code) * self.step)
+    }
+}
+
+impl Decode for &Codes {
+    #[inline(always)]
+    fn value(self, code: u16) -> f32 {
+        self.linear(code)
+    }
+}
+
+#[inline(always)]
+fn error(row: &[f32], codes: &[u16], decode: impl Decode) -> RowError {
+    let (mut max, mut sum) = ([0.0f32; LANES], [0.0f32; LANES]);
+    let (rows, row_rest) = row.as_chunks::<LANES>();
+    let (all, codes_rest) = codes.as_chunks::<LANES>();
+    for (row, codes) in rows.iter().zip(all) {
+        for i in 0..LANES {
+            let e = (row[i] - decode.value(codes[i])).abs();
             max[i] = max[i].max(e);
             sum[i] += e * e;
         }
-        fold(&max, &sum)
+    }
+    for (i, (&v, &code)) in row_rest.iter().zip(codes_rest).enumerate() {
+        let e = (v - decode.value(code)).abs();
+        max[i] = max[i].max(e);
+        sum[i] += e * e;
+    }
+    fold(&max, &sum)
+}
+
+multiversion! {
+    pub(super) fn linear_error(row: &[f32], codes: &[u16], offset: f32, step: f32) -> RowError {
+        error(row, codes, Linear { offset, step })
     }
 }
 
 multiversion! {
     pub(super) fn srgb_error(row: &[f32], codes: &[u16], step: f32) -> RowError {
-        let (mut max, mut sum) = ([0.0f32; LANES], [0.0f32; LANES]);
-        let (rows, row_rest) = row.as_chunks::<LANES>();
-        let (all, codes_rest) = codes.as_chunks::<LANES>();
-        for (row, codes) in rows.iter().zip(all) {
-            for i in 0..LANES {
-                let (v, code) = (row[i], codes[i]);
-                let e = (v - color::srgb_to_linear(f32::from(code) * step)).abs();
-                max[i] = max[i].max(e);
-                sum[i] += e * e;
-            }
-        }
-        for (i, (&v, &code)) in row_rest.iter().zip(codes_rest).enumerate() {
-            let e = (v - color::srgb_to_linear(f32::from(code) * step)).abs();
-            max[i] = max[i].max(e);
-            sum[i] += e * e;
-        }
-        fold(&max, &sum)
+        error(row, codes, Srgb { step })
+    }
+}
+
+multiversion! {
+    /// The same for codes of 8 bits.
+    pub(super) fn srgb8_error(row: &[f32], codes: &[u16], table: &Codes) -> RowError {
+        error(row, codes, table)
     }
 }
 
@@ -170,9 +195,10 @@ multiversion! {
         let (rows, rest) = row.as_chunks::<LANES>();
         for row in rows {
             for i in 0..LANES {
-                let finite = row[i].abs() <= f32::MAX;
-                least[i] = if finite && row[i] < least[i] { row[i] } else { least[i] };
-                most[i] = if finite && row[i] > most[i] { row[i] } else { most[i] };
+                // `&`, not `&&`, which LLVM makes a jump for each value.
+                let (v, finite) = (row[i], row[i].abs() <= f32::MAX);
+                least[i] = if finite & (v < least[i]) { v } else { least[i] };
+                most[i] = if finite & (v > most[i]) { v } else { most[i] };
             }
         }
         for (i, &v) in rest.iter().enumerate() {
@@ -191,17 +217,6 @@ multiversion! {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn the_whole_part_is_that_of_a_cast() {
-        let ends = (0..=65_535u16).flat_map(|k| {
-            let v = f32::from(k);
-            [v, v.next_up(), (v + 1.0).next_down(), v + 0.5, (v + 0.5).next_down(), (v + 0.5).next_up()]
-        });
-        for v in ends.chain([0.0, 1e-45, 0.49999997]) {
-            assert_eq!(whole(v), v as u16, "{v}");
-        }
-    }
 
     #[test]
     fn extremes_are_those_of_the_finite_values() {
