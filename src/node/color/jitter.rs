@@ -8,8 +8,10 @@ use crate::base::{hash, num};
 #[inline(always)]
 pub(super) fn draws(random: f32, seed: u32, independent: bool) -> [f32; 3] {
     let r = num::saturate(random);
-    // 24 bits hold every value that a hash gives.
-    let bits = (r * 16_777_216.0) as i32 as u32;
+    // 24 bits hold every value that a hash gives: 12 and 12, because `whole` goes to 2^23.
+    let high = num::whole(r * 4096.0);
+    let low = num::whole((r * 4096.0 - high as f32) * 4096.0);
+    let bits = (high << 12) + low;
     let together = 2.0 * r - 1.0;
     let own = |channel| hash::signed(hash::hash2(seed, bits, channel));
     let pick = |channel| if independent { own(channel) } else { together };
@@ -32,6 +34,16 @@ mod tests {
                 let product: f32 = all.iter().map(|d| d[a] * d[b]).sum::<f32>() / n as f32;
                 assert!(product.abs() < 0.03, "{a} {b}: {product}");
             }
+        }
+    }
+
+    #[test]
+    fn the_random_is_hashed_by_its_24_bits() {
+        let odd = [0.0, 1e-45, 5e-8, 1.0, 1.0f32.next_down(), 0.5f32.next_down(), 0.3];
+        for r in (0..4000).map(|i| hash::unit(hash::pcg(i))).chain(odd) {
+            let bits = (r * 16_777_216.0) as u32;
+            let own = [0, 1, 2].map(|channel| hash::signed(hash::hash2(7, bits, channel)));
+            assert_eq!(draws(r, 7, true), own, "{r}");
         }
     }
 
