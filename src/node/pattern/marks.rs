@@ -5,7 +5,7 @@ mod series;
 
 use std::ops::Range;
 
-use self::lay::{Places, ellipses, find, push, quads};
+use self::lay::{Places, ellipses, find, padded, push, quads};
 use self::series::Series;
 use crate::node::spec::OFFSETS;
 use crate::node::{Category, Cx, InputSpec, Inputs, Operation, OutputSpec, Outputs, Prepared, Spec};
@@ -154,9 +154,9 @@ impl Operation for Marks {
     fn eval(&self, cx: &Cx<'_>, rows: Range<i64>, ins: &Inputs<'_>, outs: &mut Outputs<'_>) {
         let series: &Series = cx.prepared();
         let kernel = if self.shape == MarkShape::Ellipse { ellipses } else { quads };
-        let mut random = vec![0.0; outs.width()];
-        let mut distance = vec![0.0; outs.width()];
-        let mut place = Places::new(outs.width());
+        let width = outs.width();
+        let (mut random, mut distance) = (vec![0.0; padded(width)], vec![0.0; padded(width)]);
+        let mut place = Places::new(width);
         for y in rows {
             let v = cx.domain.v(y);
             distance.fill(-1e6);
@@ -169,7 +169,7 @@ impl Operation for Marks {
                 push(&distance, ins.row(DISTORT, y), out);
             }
             if let Some(out) = outs.row(RANDOM, y) {
-                out.copy_from_slice(&random);
+                out.copy_from_slice(&random[..width]);
             }
         }
     }

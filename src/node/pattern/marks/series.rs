@@ -22,6 +22,11 @@ pub(super) struct Mark {
     /// Growth of the half length with the distance from the middle, and the length of its normal.
     pub(super) lean: f32,
     pub(super) normal: f32,
+    /// 1 / `normal`, and 1 / the lesser of both halves: for bounds only, which need not be exact.
+    pub(super) per_normal: f32,
+    pub(super) per_least: f32,
+    /// 1 / `half_width` and 1 / `half_length`, for bounds only.
+    pub(super) per_half: [f32; 2],
     /// Width over which corners are rounded.
     pub(super) rounding: f32,
     /// How far the ends lie tail-ward.
@@ -71,13 +76,17 @@ impl Series {
             let size = 1.0 + marks.jitter_size * hash::signed(hash::hash1(h, SIZE));
             let (hx, hy) = (half_width * size, half_length * size);
             let lean = hy * (marks.taper - 1.0) / hx;
+            let normal = (1.0 + lean * lean).sqrt();
             Mark {
                 shift: marks.jitter * hash::signed(hash::hash1(h, SHIFT)),
                 slip: hash::signed(hash::hash1(h, SLIP)),
                 half_width: hx,
                 half_length: hy,
                 lean,
-                normal: (1.0 + lean * lean).sqrt(),
+                normal,
+                per_normal: 1.0 / normal,
+                per_least: 1.0 / hx.min(hy),
+                per_half: [1.0 / hx, 1.0 / hy],
                 rounding: 2.0 * marks.roundness * hx.min(hy),
                 bend: marks.chevron * 2.0 * hy,
                 random: hash::unit(hash::hash1(h, VALUE)),
