@@ -29,6 +29,8 @@ struct Drawn {
     /// The adapter's name, or how many samples the path tracer took.
     by: String,
     gpu: bool,
+    /// Samples of each pixel; of the path tracer, the most.
+    samples: u32,
     passes: Vec<(&'static str, Option<f64>)>,
     /// What the shader lacks.
     left_out: Vec<&'static str>,
@@ -77,7 +79,7 @@ pub(super) fn run(args: &Preview) -> Result<Exit, Failure> {
     let skin = skin?;
     progress.start(spec.name.clone());
     let scene = stage::build(&text, &skin, mesh)?;
-    let on_gpu = gpu.map(|gpu| gpu.and_then(|gpu| pool.install(|| draw(&gpu, &scene, size))));
+    let on_gpu = gpu.map(|gpu| gpu.and_then(|gpu| pool.install(|| draw(&gpu, &scene, size, args.samples))));
     let drawn = match on_gpu {
         Some(Ok(drawn)) => drawn,
         Some(Err(error)) if args.backend == BackendArg::Gpu => {
@@ -102,6 +104,7 @@ pub(super) fn run(args: &Preview) -> Result<Exit, Failure> {
                 texels: film.rgb(),
                 by: format!("{:.1} samples per pixel", film.samples_per_pixel()),
                 gpu: false,
+                samples: settings.samples,
                 passes: Vec::new(),
                 left_out: Vec::new(),
                 slots: Vec::new(),
@@ -125,13 +128,16 @@ pub(super) fn run(args: &Preview) -> Result<Exit, Failure> {
 }
 
 /// The picture by a graphics adapter.
-fn draw(gpu: &Gpu, scene: &Scene, size: [usize; 2]) -> Result<Drawn, PreviewError> {
-    let mut renderer = Renderer::new(gpu, scene, &Options::of(gpu))?;
+fn draw(gpu: &Gpu, scene: &Scene, size: [usize; 2], samples: Option<u32>) -> Result<Drawn, PreviewError> {
+    let suited = Options::of(gpu);
+    let options = Options { samples: samples.unwrap_or(suited.samples), ..suited };
+    let mut renderer = Renderer::new(gpu, scene, &options)?;
     let picture = renderer.render(&scene.camera, size)?;
     Ok(Drawn {
         texels: picture.texels,
         by: gpu.info.name.clone(),
         gpu: true,
+        samples: options.samples,
         passes: picture.passes,
         left_out: renderer.left_out(),
         slots: renderer.slots(),
@@ -171,6 +177,7 @@ fn report(
             "files": [file],
         });
         if args.explain {
+            json["samples"] = drawn.samples.into();
             json["passes"] = drawn.passes.iter().map(pass).collect();
             json["slots"] = serde_json::json!(drawn.slots);
             json["resources"] = drawn.resources.iter().map(resource).collect();
@@ -190,6 +197,7 @@ fn report(
 }
 
 fn explain(out: &mut impl std::io::Write, drawn: &Drawn) -> std::io::Result<()> {
+    writeln!(out, "samples  {:9}     of each pixel, all of them in the times below", drawn.samples)?;
     for (name, milliseconds) in &drawn.passes {
         match milliseconds {
             Some(ms) => writeln!(out, "pass     {ms:9.2} ms  {name}")?,

@@ -29,31 +29,42 @@ pub(super) struct FrameUniform {
     pub(super) rectangles: u32,
     /// Mean radiance of the environment.
     pub(super) even: [f32; 3],
-    /// To the next 16 bytes.
-    pub(super) padding: f32,
+    /// Added to the level of maps: 0 for a whole pixel, less where a pixel is drawn more than once.
+    pub(super) sharper: f32,
+    /// Of the small lights of each rectangle the first that shines in this sample, ...
+    pub(super) first_place: u32,
+    /// ... how many there are from it to the next one, ...
+    pub(super) place_step: u32,
+    /// ... and where within its part of the rectangle it is, from -1/2 to 1/2.
+    pub(super) place_shift: [f32; 2],
 }
 
 /// What is nearer than so much of the way to the target is not seen.
 const NEAR: f32 = 1e-3;
 
 impl FrameUniform {
-    /// The part of the camera, for a picture `aspect` (width over height) wide. Everything is sharp: lenses do not count.
-    pub(super) fn new(camera: &Camera, aspect: f32) -> Self {
-        let view = camera.view(aspect);
+    /// The part of the camera, for a picture of so many pixels in whose middles lies what is `shift` (pixels, right and
+    /// down) beside them. Everything is sharp: lenses do not count.
+    pub(super) fn new(camera: &Camera, size: [usize; 2], shift: [f32; 2]) -> Self {
+        let [width, height] = size.map(|n| n as f32);
+        let view = camera.view(width / height);
+        // In halves of the picture, right and up.
+        let (x, y) = (2.0 * shift[0] / width, -2.0 * shift[1] / height);
         let row = |axis: glam::Vec3| axis.extend(-axis.dot(view.origin));
         let near = NEAR * (camera.target - camera.position).length().max(1e-3);
+        let (right, up) = (view.right * view.half_size.x, view.up * view.half_size.y);
         let rows = Mat4::from_cols(
-            row(view.right) / view.half_size.x,
-            row(view.up) / view.half_size.y,
+            row(view.right) / view.half_size.x - row(view.forward) * x,
+            row(view.up) / view.half_size.y - row(view.forward) * y,
             Vec4::new(0.0, 0.0, 0.0, near),
             row(view.forward),
         );
         Self {
             clip: rows.transpose().to_cols_array_2d(),
             eye: view.origin.to_array(),
-            forward: view.forward.to_array(),
-            right: (view.right * view.half_size.x).to_array(),
-            up: (view.up * view.half_size.y).to_array(),
+            forward: (view.forward + right * x + up * y).to_array(),
+            right: right.to_array(),
+            up: up.to_array(),
             ..Self::default()
         }
     }
@@ -74,11 +85,14 @@ mod tests {
             aperture: 0.0,
             focus_distance: 4.0,
         };
-        let frame = FrameUniform::new(&camera, 1.5);
+        let [width, height] = [600, 400];
+        let shift = [0.4, -0.3];
+        let frame = FrameUniform::new(&camera, [width, height], shift);
         let clip = Mat4::from_cols_array_2d(&frame.clip);
         let mut last = 1.0;
         for (x, y, depth) in [(0.2, 0.7, 0.1), (0.9, 0.1, 3.0), (0.5, 0.5, 1000.0)] {
-            let (o, d) = camera.ray(x, y, 1.5, [0.5; 2]);
+            let beside = [x + shift[0] / width as f32, y + shift[1] / height as f32];
+            let (o, d) = camera.ray(beside[0], beside[1], 1.5, [0.5; 2]);
             let p = clip * (o + d * depth).extend(1.0);
             let p = p / p.w;
             assert!((p.x - (2.0 * x - 1.0)).abs() < 1e-4 && (p.y - (1.0 - 2.0 * y)).abs() < 1e-4, "{p}");

@@ -56,8 +56,8 @@ pub(super) struct Rectangle {
     pub(super) scale: f32,
     /// Depth in shadow maps is `depth[0] + depth[1]/distance`.
     pub(super) depth: [f32; 2],
-    /// To the next 16 bytes.
-    pub(super) padding: [f32; 2],
+    /// Sides of the part of it that each stands for.
+    pub(super) cell: [f32; 2],
 }
 
 /// `Disc` of background.wgsl: a sun as the eye sees it.
@@ -90,8 +90,9 @@ pub(super) struct Lamps {
 }
 
 impl Lamps {
-    /// The lights of a scene; each rectangle becomes `per_rectangle` small ones, or as many as there is room for. Shadow
-    /// maps of suns and of rectangles have so many texels a side and hold what `casters` has.
+    /// The lights of a scene; each rectangle becomes `per_rectangle` small ones, or as many as there is room for, each of
+    /// which is at `shifts` places of its part of the rectangle in turn. Shadow maps of suns and of rectangles have so many
+    /// texels a side and hold what `casters` has.
     ///
     /// # Errors
     /// If there are too many lights.
@@ -99,6 +100,7 @@ impl Lamps {
         scene: &Scene,
         casters: &Casters,
         per_rectangle: usize,
+        shifts: u32,
         [sun_size, rectangle_size]: [u32; 2],
     ) -> Result<Self, PreviewError> {
         let (needed, most) = (scene.lights.len() as u64, MOST_LAMPS as u64);
@@ -133,7 +135,7 @@ impl Lamps {
                     // As a disc of the same solid angle, as the scene sees it: r^2 = angle/pi.
                     let to = center - casters.middle();
                     let cosine = -to.normalize_or_zero().dot(z);
-                    let angle = area * cosine.max(0.0) / to.length_squared().max(area);
+                    let angle = area * cosine.max(0.0) / to.length_squared().max(area) / shifts.max(1) as f32;
                     let first = all.places.len() as u32;
                     let places: Vec<Vec2> = (0..count)
                         .map(|i| {
@@ -171,7 +173,7 @@ impl Lamps {
                         light: radiance.0.map(|r| r * area),
                         scale: seen.scale,
                         depth: seen.depth,
-                        padding: [0.0; 2],
+                        cell: [u.length(), v.dot(y).abs()].map(|half| 2.0 * half / (count as f32).sqrt()),
                     });
                 }
             }
@@ -213,7 +215,7 @@ impl Disc {
 }
 
 /// Point `i` of `n` of Hammersley's set, moved into the middles of its strata: few points that are even along both axes.
-fn hammersley(i: usize, n: usize) -> [f32; 2] {
+pub(super) fn hammersley(i: usize, n: usize) -> [f32; 2] {
     let reversed = ((i as u32).reverse_bits() >> 8) as f32 / (1u32 << 24) as f32;
     [(i as f32 + 0.5) / n as f32, num::fract(reversed + 0.5 / n as f32)]
 }
@@ -357,7 +359,7 @@ mod tests {
         let (u, v) = to.any_orthonormal_pair();
         let mut lit = scene.clone();
         lit.lights = vec![Light::Area { center, u: v, v: u, radiance: LinearRgb([1.0; 3]) }];
-        let lamps = Lamps::new(&lit, &casters, 4, [64; 2]).expect("one light");
+        let lamps = Lamps::new(&lit, &casters, 4, 1, [64; 2]).expect("one light");
         let far = |p: Vec3| -p.dot(to);
         let afar = [(casters.seen_from_afar(to).0, &far as &dyn Fn(Vec3) -> f32)];
         let near = |p: Vec3| (p - center).dot(-to);
@@ -382,7 +384,7 @@ mod tests {
         let (u, v) = (Vec3::X * 3.0, Vec3::Z * 2.0);
         let light = Light::Area { center: Vec3::Y * 8.0, u, v, radiance: LinearRgb([2.0; 3]) };
         scene.lights = vec![light];
-        let lamps = Lamps::new(&scene, &Casters::new(&scene), 16, [64; 2]).expect("one light");
+        let lamps = Lamps::new(&scene, &Casters::new(&scene), 16, 1, [64; 2]).expect("one light");
         assert_eq!((lamps.rectangles[0].count, lamps.places.len(), lamps.discs.len()), (16, 16, 0));
         let r = lamps.rectangles[0];
         let small: f32 = lamps
@@ -414,10 +416,10 @@ mod tests {
             angular_radius_rad: 0.01,
         };
         scene.lights = vec![sun; MOST_LAMPS + 1];
-        let error = Lamps::new(&scene, &Casters::new(&scene), 16, [64; 2]).expect_err("too many");
+        let error = Lamps::new(&scene, &Casters::new(&scene), 16, 1, [64; 2]).expect_err("too many");
         assert_eq!(error.to_string(), "the number of lights needs 33, the adapter holds 32 at most");
         scene.lights.truncate(2);
-        let lamps = Lamps::new(&scene, &Casters::new(&scene), 16, [64; 2]).expect("two suns");
+        let lamps = Lamps::new(&scene, &Casters::new(&scene), 16, 1, [64; 2]).expect("two suns");
         assert_eq!((lamps.suns.len(), lamps.discs.len()), (2, 2));
         assert_eq!((lamps.sun_block().len(), lamps.rectangle_block().len()), (32 * 96, 32 * 96 + 128 * 16));
     }

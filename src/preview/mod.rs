@@ -11,7 +11,8 @@
 //!
 //! A picture takes one pass: objects by the light of suns and rectangles, each small light with a shadow map drawn before
 //! the first picture, and by the environment filtered beforehand; then what is behind them. Adapters that are programs
-//! take two: one that shades each pixel once, and one that smooths edges. Light comes straight from its
+//! take two: one that shades each pixel once, and one that smooths edges. Where pictures are averaged, each of another place
+//! within pixels and with other small lights, four or more need no edges of their own. Light comes straight from its
 //! source, and the environment's through everything: `Transport::Direct` of the path tracer.
 //!
 //! Nothing here panics over what a machine lacks: what cannot be done comes back as an error that names the number.

@@ -7,7 +7,7 @@ use wgpu::util::DeviceExt;
 use super::background::Background;
 use super::edges::Edges;
 use super::frame::FrameUniform;
-use super::lamps::{Casters, Lamps};
+use super::lamps::{Casters, Lamps, hammersley};
 use super::mesh::{self, DeviceMesh};
 use super::program::{SkinOptions, SkinProgram, Slot};
 use super::shadows::Shadows;
@@ -33,6 +33,9 @@ pub struct Options {
     pub anisotropy: u16,
     /// Whether colours are computed once for each pixel before edges are smoothed, not once for each triangle in it.
     pub once: bool,
+    /// Pictures that are averaged, each of another place within pixels, at least 1. A multiple of 4 costs least: in each of
+    /// four pictures other ones of a rectangle's small lights shine.
+    pub samples: u32,
     /// Whether the environment lights objects; it is seen behind them in any case.
     pub environment: bool,
     /// Whether suns and rectangles light objects.
@@ -48,6 +51,7 @@ impl Default for Options {
             rectangle_shadow_size: 512,
             anisotropy: 8,
             once: false,
+            samples: 1,
             environment: true,
             lamps: true,
         }
@@ -60,7 +64,11 @@ impl Options {
     /// samples of it read the whole map there: measured, 39 s for a picture that takes 2 without).
     pub fn of(gpu: &Gpu) -> Self {
         let all = Self::default();
-        if gpu.is_software() { Self { anisotropy: 1, once: true, ..all } } else { all }
+        if gpu.is_software() {
+            Self { anisotropy: 1, once: true, ..all }
+        } else {
+            Self { samples: 16, ..all }
+        }
     }
 }
 
@@ -94,6 +102,9 @@ pub struct Renderer<'g> {
     background: Background,
     target: Option<Target>,
     timing: Option<Timing>,
+    samples: u32,
+    /// In each of so many samples other ones of the small lights of rectangles shine.
+    place_step: u32,
     resources: Vec<(String, u64)>,
 }
 
@@ -127,11 +138,14 @@ impl<'g> Renderer<'g> {
             }
         }
 
+        let samples = options.samples.max(1);
+        // A power of two that divides them.
+        let place_step = (1 << samples.trailing_zeros()).min(MOST_STEP);
         let casters = Casters::new(scene);
         let lamps = match options.lamps {
             true => {
                 let sizes = [options.shadow_size, options.rectangle_shadow_size];
-                Lamps::new(scene, &casters, options.rectangle_samples, sizes)?
+                Lamps::new(scene, &casters, options.rectangle_samples, samples / place_step, sizes)?
             }
             false => Lamps::default(),
         };
@@ -158,6 +172,7 @@ impl<'g> Renderer<'g> {
             discs: lamps.discs.len() as u32,
             sky_layers: environment::LAYERS as f32,
             even: scene.environment.mean_radiance().0,
+            sharper: sharper(samples),
             ..FrameUniform::zeroed()
         };
         let frame_block = gpu.device.create_buffer(&wgpu::BufferDescriptor {
@@ -179,7 +194,7 @@ impl<'g> Renderer<'g> {
         let maps = [sun_maps.as_ref(), rectangle_maps.as_ref(), sky_view.as_ref()];
         let bound = Bound::new(gpu, &frame_block, &lamps, maps);
 
-        let shading = Shading::of(options.once);
+        let shading = Shading::of(options.once, samples);
         let mut materials = Vec::new();
         for (i, material) in scene.materials.iter().enumerate() {
             let worn = meshes.iter().any(|(_, m)| *m == i);
@@ -197,17 +212,20 @@ impl<'g> Renderer<'g> {
             shadows,
             depth: depth(gpu, &bound.layout, shading),
             shading,
-            edges: options.once.then(|| Edges::new(gpu, &bound.layout)),
+            edges: (shading == Shading::Pixels).then(|| Edges::new(gpu, &bound.layout)),
             background,
             target: None,
             timing: Timing::new(gpu),
+            samples,
+            place_step,
             resources,
         };
         gpu.wait()?;
         Ok(renderer)
     }
 
-    /// Draw the scene from a camera; everything is sharp, lenses do not count.
+    /// Draw the scene from a camera; everything is sharp, lenses do not count. Times of passes are those of all samples
+    /// together.
     ///
     /// # Errors
     /// If the size is 0 or more than the adapter holds, or the device fails.
@@ -216,22 +234,49 @@ impl<'g> Renderer<'g> {
             Some(target) => target,
             None => Target::new(self.gpu, [width, height], self.shading)?,
         };
-        let frame = FrameUniform {
-            suns: self.frame.suns,
-            rectangles: self.frame.rectangles,
-            discs: self.frame.discs,
-            sky_layers: self.frame.sky_layers,
-            even: self.frame.even,
-            ..FrameUniform::new(camera, width as f32 / height as f32)
-        };
-        self.gpu.queue.write_buffer(&self.frame_block, 0, bytemuck::bytes_of(&frame));
+        let mut sum = Vec::new();
+        let mut passes: Vec<(&'static str, Option<f64>)> = Vec::new();
+        for sample in 0..self.samples {
+            let shift = hammersley(sample as usize, self.samples as usize).map(|t| t - 0.5);
+            let (block, offset) = (sample / self.place_step, sample % self.place_step);
+            let visits = self.samples.div_ceil(self.place_step);
+            let frame = FrameUniform {
+                suns: self.frame.suns,
+                rectangles: self.frame.rectangles,
+                discs: self.frame.discs,
+                sky_layers: self.frame.sky_layers,
+                even: self.frame.even,
+                sharper: self.frame.sharper,
+                // Not the same ones in the same part of pixels each time.
+                first_place: (offset + block) % self.place_step,
+                place_step: self.place_step,
+                place_shift: hammersley(block as usize, visits as usize).map(|t| t - 0.5),
+                ..FrameUniform::new(camera, [width, height], shift)
+            };
+            self.gpu.queue.write_buffer(&self.frame_block, 0, bytemuck::bytes_of(&frame));
+            for (name, time) in self.draw(&target)? {
+                match passes.iter_mut().find(|(n, _)| *n == name) {
+                    Some((_, total)) => *total = total.zip(time).map(|(a, b)| a + b),
+                    None => passes.push((name, time)),
+                }
+            }
+            target.add_to(self.gpu, &mut sum)?;
+        }
+        let scale = 1.0 / self.samples as f32;
+        let texels = sum.into_iter().map(|t: [f32; 3]| t.map(|c| c * scale)).collect();
+        self.target = Some(target);
+        Ok(Picture { width, height, texels, passes })
+    }
+
+    /// Draw one sample of each pixel, and tell the passes' times.
+    fn draw(&mut self, target: &Target) -> Result<Vec<(&'static str, Option<f64>)>, PreviewError> {
         let mut encoder = self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         let mut names = Vec::new();
         for shadows in self.shadows.iter_mut().filter(|s| !s.drawn) {
             shadows.draw(&mut encoder, &self.meshes, self.timing.as_ref().map(|t| t.pair(names.len())));
             names.push(shadows.name);
         }
-        self.shade(&mut encoder, &target, names.len());
+        self.shade(&mut encoder, target, names.len());
         names.push("picture");
         if let Some((edges, samples)) = self.edges.as_ref().zip(target.samples.as_ref()) {
             let times = |place: usize| self.timing.as_ref().map(|t| t.pair(place));
@@ -240,7 +285,7 @@ impl<'g> Renderer<'g> {
             drop(pass);
             names.push("depths of samples");
             let mut pass = target.begin_whole(&mut encoder, times(names.len()));
-            edges.picture(self.gpu, &mut pass, &target, samples);
+            edges.picture(self.gpu, &mut pass, target, samples);
             drop(pass);
             names.push("edges");
         }
@@ -249,13 +294,11 @@ impl<'g> Renderer<'g> {
             timing.resolve(&mut encoder, names.len());
         }
         self.gpu.queue.submit([encoder.finish()]);
-        let texels = target.read(self.gpu)?;
         let times = match &self.timing {
             Some(timing) => timing.read(self.gpu, names.len())?,
             None => vec![None; names.len()],
         };
-        self.target = Some(target);
-        Ok(Picture { width, height, texels, passes: names.into_iter().zip(times).collect() })
+        Ok(names.into_iter().zip(times).collect())
     }
 
     /// Draw objects, and what is behind them.
@@ -306,7 +349,7 @@ impl Shaded {
         options: &Options,
         resources: &mut Vec<(String, u64)>,
     ) -> Result<Self, PreviewError> {
-        let shading = Shading::of(options.once);
+        let shading = Shading::of(options.once, options.samples);
         let program = SkinProgram::new(&SceneFeatures::of_material(material), &options.skin);
         // Where all texels are alike, the light below the film is that of their thickness.
         let data = SkinData::new(&material.constants, material.texel(0.5, 0.5).thickness_nm, &program)
@@ -356,6 +399,16 @@ impl Shaded {
         let left_out = program.left_out().to_vec();
         Ok(Self { pipeline, material, surface: surface.group, slots, left_out })
     }
+}
+
+/// Most samples over which the small lights of rectangles are spread.
+const MOST_STEP: u32 = 4;
+
+/// What is added to the level of maps where so many samples share a pixel: that of a sample's own part of it, and one more,
+/// as samples do what is left of the mean. Measured at 4 and 16 samples, mean CIEDE2000: 14 and 18 % less than without, and
+/// no more with two levels more.
+fn sharper(samples: u32) -> f32 {
+    if samples == 1 { 0.0 } else { -0.5 * (samples as f32).log2() - 1.0 }
 }
 
 /// Draws nothing but depth.

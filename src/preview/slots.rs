@@ -214,7 +214,10 @@ mod tests {
             up,
             rectangles,
             even,
-            padding
+            sharper,
+            first_place,
+            place_step,
+            place_shift
         );
         block!(&skin, "Sun", Sun, direction, spread, irradiance, texel, shadow);
         block!(
@@ -232,7 +235,7 @@ mod tests {
             light,
             scale,
             depth,
-            padding
+            cell
         );
         block!(&skin, "Plain", PlainUniform, albedo, roughness, thickness);
         block!(&background, "Disc", Disc, direction, chord_2, radiance, padding);

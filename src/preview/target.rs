@@ -18,12 +18,18 @@ pub(super) enum Shading {
     Triangles,
     /// Once for each pixel, beforehand; samples take these colours.
     Pixels,
+    /// Once for each pixel, without samples: pictures are averaged.
+    Middles,
 }
 
 impl Shading {
-    /// Once for each pixel, or not.
-    pub(super) fn of(once: bool) -> Self {
-        if once { Self::Pixels } else { Self::Triangles }
+    /// For pixels that are shaded once, or not, and of which so many pictures are averaged.
+    pub(super) fn of(once: bool, pictures: u32) -> Self {
+        match once {
+            _ if pictures >= SAMPLES => Self::Middles,
+            true => Self::Pixels,
+            false => Self::Triangles,
+        }
     }
 
     /// Samples of what is shaded.
@@ -105,7 +111,10 @@ impl Target {
         Ok(Self {
             size: [width, height],
             shading,
-            color: view(&texture("colors", shading.samples(), FORMAT, used)),
+            color: match shading {
+                Shading::Middles => view(&pixels),
+                _ => view(&texture("colors", shading.samples(), FORMAT, used)),
+            },
             depth: view(&texture("depths", shading.samples(), DEPTH, used)),
             samples: (shading == Shading::Pixels).then(samples),
             whole: view(&pixels),
@@ -131,6 +140,7 @@ impl Target {
         let texel = match self.shading {
             Shading::Triangles => SAMPLES * (8 + 4) + 8,
             Shading::Pixels => (8 + 4) + SAMPLES * 4 + 8,
+            Shading::Middles => 8 + 4,
         };
         pixels * u64::from(texel) + self.buffer.size()
     }
@@ -143,7 +153,7 @@ impl Target {
     ) -> wgpu::RenderPass<'e> {
         let (resolved, store) = match self.shading {
             Shading::Triangles => (Some(&self.whole), wgpu::StoreOp::Discard),
-            Shading::Pixels => (None, wgpu::StoreOp::Store),
+            Shading::Pixels | Shading::Middles => (None, wgpu::StoreOp::Store),
         };
         encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("picture"),
@@ -196,20 +206,25 @@ impl Target {
         );
     }
 
-    /// The picture, once everything submitted is done.
+    /// Add the picture to a sum, which may be empty, once everything submitted is done.
     ///
     /// # Errors
     /// If the device fails.
-    pub(super) fn read(&self, gpu: &Gpu) -> Result<Vec<[f32; 3]>, PreviewError> {
+    pub(super) fn add_to(&self, gpu: &Gpu, sum: &mut Vec<[f32; 3]>) -> Result<(), PreviewError> {
         let bytes = read(gpu, &self.buffer)?;
         let mut row = vec![0.0; 4 * self.size[0]];
-        let mut texels = Vec::with_capacity(self.size[0] * self.size[1]);
-        for line in bytes.chunks_exact(self.row_bytes as usize) {
+        sum.resize(self.size[0] * self.size[1], [0.0; 3]);
+        let lines = bytes.chunks_exact(self.row_bytes as usize);
+        for (line, sum) in lines.zip(sum.chunks_exact_mut(self.size[0])) {
             let halves: Vec<u16> = bytemuck::pod_collect_to_vec(&line[..8 * self.size[0]]);
             halves.reinterpret_cast::<f16>().convert_to_f32_slice(&mut row);
-            texels.extend(row.chunks_exact(4).map(|t| [t[0], t[1], t[2]]));
+            for (sum, texel) in sum.iter_mut().zip(row.chunks_exact(4)) {
+                for c in 0..3 {
+                    sum[c] += texel[c];
+                }
+            }
         }
-        Ok(texels)
+        Ok(())
     }
 }
 

@@ -86,13 +86,13 @@ fn a_preview_is_the_path_tracers_picture_of_direct_light() {
     assert!(wrong > MOST, "{wrong}");
 }
 
-/// With maps the bound of the issue (1.0, and FLIP 0.02) is not met: measured here 2.67 and 0.084, as what
-/// highlights do within a pixel is lost. These bounds hold what there is;
-/// a film 5 % thicker fails both.
+/// With maps the bound of the issue (1.0, and FLIP 0.02) is not met: highlights on bumps that are smaller than a pixel need
+/// more samples. Measured here with 64 of each pixel 1.12 and 0.049, with one 2.68 and 0.084. These bounds hold what there is;
+/// one sample fails both, and so does a film 5 % thicker.
 #[test]
-fn a_preview_of_maps_is_nearer_than_a_film_that_is_5_percent_thicker() {
-    const MOST: f64 = 3.0;
-    const MOST_FLIP: f64 = 0.09;
+fn a_preview_of_maps_comes_near_where_pixels_have_samples_and_a_thicker_film_does_not() {
+    const MOST: f64 = 1.2;
+    const MOST_FLIP: f64 = 0.052;
     let Some(gpu) = gpu() else { return };
     let document = preset::builtin::document("xenopeltis_unicolor").expect("a built-in preset");
     let graph = graph::from_document(&document, None).expect("it is sound");
@@ -133,8 +133,9 @@ fn a_preview_of_maps_is_nearer_than_a_film_that_is_5_percent_thicker() {
     let inner: Vec<bool> =
         traced(&even, &Settings { samples: 32, ..settings }).pixels.iter().map(sees_one_surface).collect();
     let truth: Vec<_> = film.rgb().iter().map(|t| shown(&spec, *t).map(|c| c as f32)).collect();
-    let apart = |scene: &Scene| {
-        let mut renderer = Renderer::new(&gpu, scene, &Options::of(&gpu)).expect("it fits");
+    let apart = |scene: &Scene, samples: u32| {
+        let options = Options { samples, ..Options::of(&gpu) };
+        let mut renderer = Renderer::new(&gpu, scene, &options).expect("it fits");
         let picture = renderer.render(&scene.camera, size).expect("a picture");
         // Silhouettes are the truth's in both, so that no difference of theirs is seen around them.
         let all = picture.texels.iter().zip(&truth).zip(&inner);
@@ -154,11 +155,13 @@ fn a_preview_of_maps_is_nearer_than_a_film_that_is_5_percent_thicker() {
         assert!(errors.count() > 15_000, "{}", errors.count());
         (errors.delta_e_mean(), sum / errors.count() as f64)
     };
-    let (right, right_flip) = apart(&scene);
+    let (right, right_flip) = apart(&scene, 64);
+    let (once, once_flip) = apart(&scene, 1);
     assert!(right <= MOST && right_flip <= MOST_FLIP, "{right} {right_flip}");
     let maps = Arc::make_mut(scene.materials[0].maps.as_mut().expect("maps"));
     maps.texels.iter_mut().for_each(|t| t.thickness_nm *= 1.05);
-    let (wrong, wrong_flip) = apart(&scene);
+    let (wrong, wrong_flip) = apart(&scene, 64);
+    assert!(once > MOST && once_flip > MOST_FLIP, "{once} {once_flip}");
     assert!(wrong > MOST && wrong_flip > MOST_FLIP, "{wrong} {wrong_flip}");
 }
 

@@ -61,6 +61,10 @@ pub(in crate::cli) struct Preview {
     /// Seconds that the path tracer may take where it draws.
     #[arg(long, value_name = "SECONDS", value_parser = seconds, default_value = "5s")]
     pub(in crate::cli) budget: f64,
+    /// Pictures of a graphics adapter that are averaged, each of another place within pixels: what is smaller than a pixel
+    /// gets truer, and takes so many times as long. 16 unless set; 1 where the adapter is a program on the CPU.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
+    pub(in crate::cli) samples: Option<u32>,
     /// Threads; all cores unless set.
     #[arg(long, env = "OPHIDIAN_THREADS", value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub(in crate::cli) threads: Option<u16>,

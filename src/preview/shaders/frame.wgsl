@@ -15,7 +15,12 @@ struct Frame {
     rectangles: u32,
     // Mean radiance of the environment.
     even: vec3f,
-    padding: f32,
+    // Added to the level of maps.
+    sharper: f32,
+    // Small lights of each rectangle that shine in this sample, and where they are in their parts of it.
+    first_place: u32,
+    place_step: u32,
+    place_shift: vec2f,
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;

@@ -16,8 +16,8 @@ struct Found {
 }
 
 fn look_up(uv: vec2f) -> Found {
-    let color = textureSampleBias(color_map, map_sampler, uv, SHARPER);
-    let form = textureSampleBias(form_map, map_sampler, uv, SHARPER);
+    let color = textureSampleBias(color_map, map_sampler, uv, SHARPER + frame.sharper);
+    let form = textureSampleBias(form_map, map_sampler, uv, SHARPER + frame.sharper);
     let bump = vec3f(form.xy, sqrt(max(1.0 - dot(form.xy, form.xy), 0.0)));
     let point = SurfacePoint(color.rgb, color.a, form.z * map_scale.x, film_width(uv) * map_scale.x, form.w);
     return Found(point, bump);

@@ -19,7 +19,8 @@ struct Rectangle {
     scale: f32,
     // Depth in shadow maps is x + y/distance.
     depth: vec2f,
-    padding: vec2f,
+    // Sides of the part of it that a small light stands for.
+    cell: vec2f,
 }
 
 struct Rectangles {
@@ -52,9 +53,10 @@ fn rectangle_light(skin: Skin, position: vec3f, facet: vec3f, a: Axes) -> vec3f 
         let depth = min(r.depth.x + r.depth.y / start.z, 1.0);
         var lobes = vec2f(0.0);
         var middle = vec3f(0.0);
-        for (var j = r.first; j < r.first + r.count; j++) {
+        for (var j = r.first + frame.first_place; j < r.first + r.count; j += frame.place_step) {
             let place = rectangles.places[j];
-            let to = vec3f(place.xy - p.xy, -p.z);
+            // Shadows are those of the middle of its part.
+            let to = vec3f(place.xy + r.cell * frame.place_shift - p.xy, -p.z);
             if dot(leaning, to) > 0.0 {
                 let at = (start.xy - place.xy) / start.z * vec2f(r.scale, -r.scale) + place.zw;
                 // Nothing casts a shadow to outside of the map.
@@ -73,7 +75,7 @@ fn rectangle_light(skin: Skin, position: vec3f, facet: vec3f, a: Axes) -> vec3f 
         // One colour for all of it, from the middle of what is seen.
         if any(lobes > vec2f(0.0)) {
             let tints = skin_tints(skin, to_shading * normalize(middle));
-            sum += (tints.gloss * lobes.x + tints.base * lobes.y) * r.light;
+            sum += (tints.gloss * lobes.x + tints.base * lobes.y) * (r.light * f32(frame.place_step));
         }
     }
     return sum;

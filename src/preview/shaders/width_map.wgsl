@@ -3,5 +3,5 @@
 @group(2) @binding(6) var width_map: texture_2d<f32>;
 
 fn film_width(uv: vec2f) -> f32 {
-    return textureSampleBias(width_map, map_sampler, uv, SHARPER).r;
+    return textureSampleBias(width_map, map_sampler, uv, SHARPER + frame.sharper).r;
 }
