@@ -30,6 +30,8 @@ pub(super) fn run(args: &Report) -> Result<Exit, Failure> {
         ReportKind::Optics => optics::report(effort, &mut watch),
         ReportKind::Convergence => convergence(args, effort, &progress, &mut watch)?,
         ReportKind::Textures => textures(args, &mut watch)?,
+        #[cfg(feature = "preview")]
+        ReportKind::Preview => preview(effort, &progress, &mut watch)?,
     };
     let files = report.files();
     files.iter().try_for_each(|(name, text)| io::write_text(&args.output.join(name), text))?;
@@ -71,4 +73,43 @@ fn textures(args: &Report, watch: report::Watch<'_>) -> Result<report::Report, F
     generate::pool(Some(1))?
         .install(|| report::textures::report(&graph, domain, rounds, watch))
         .map_err(|e| Failure::usage(e, "choose another --size or another preset"))
+}
+
+/// Built-in scenes and skins, drawn and traced.
+#[cfg(feature = "preview")]
+fn preview(effort: Effort, progress: &Progress, watch: report::Watch<'_>) -> Result<report::Report, Failure> {
+    use crate::preview::Gpu;
+    use crate::report::preview::{Case, report};
+    use crate::scene::builtin::BUILTIN;
+
+    const SKIN: &str = "lampropeltis_triangulum";
+    let gpu = Gpu::new(None).map_err(|e| Failure::usage(e, "this report needs a graphics adapter"))?;
+    let quick = effort == Effort::Quick;
+    let (texels, triangles) = if quick { (128, 2000) } else { (1024, 40_000) };
+    let triangles = format!("subject.triangles={triangles}");
+    let pool = generate::pool(None)?;
+    let skin = |word: &str, spec: &crate::scene::SceneSpec| {
+        let source = Source { word, settings: &[], seed: None, size: SizeArg::Longer(texels) };
+        Skin::load(&source, &wanted(Stage::All, spec), signal::stop_flag(), progress, &pool)
+    };
+    let case = |scene: &str, skin: &Skin| -> Result<Case, Failure> {
+        let text = stage::text(scene, std::slice::from_ref(&triangles))?;
+        let (render, scene) = (&text.spec.render, stage::build(&text, skin, None)?);
+        Ok(Case { skin: skin.name.clone(), scene, exposure_ev: render.exposure(&[]), tone: render.tone })
+    };
+    let coil = stage::text("coil", &[])?.spec;
+    let first = skin(SKIN, &coil)?;
+    let mut cases = vec![case("coil", &first)?];
+    if !quick {
+        for word in ["epicrates_cenchria", "xenopeltis_unicolor", "bitis_gabonica"] {
+            cases.push(case("coil", &skin(word, &coil)?)?);
+        }
+        for (scene, _) in BUILTIN.iter().filter(|(scene, _)| *scene != "coil") {
+            cases.push(case(scene, &first)?);
+        }
+    }
+    let mut plain = case("thesis", &first)?;
+    plain.scene.materials.iter_mut().for_each(|material| material.maps = None);
+    pool.install(|| report(&gpu, &cases, &plain, effort, watch))
+        .map_err(|e| Failure::usage(e, "see `ophidian preview --explain` for what the adapter holds"))
 }

@@ -1,5 +1,5 @@
 //! WHAT EVERY SHORTCUT COSTS: errors against run times, as tables, plots and one page. Imports optics, the rooms
-//! from node to io, scene and reference.
+//! from node to io, scene, preview and reference.
 //!
 //! | Item | What it is |
 //! | --- | --- |
@@ -11,6 +11,7 @@
 //! | [`convergence`] | the report on the path tracer: error against samples and seconds |
 //! | [`optics`] | the report on the skin's optics: films, methods, stability |
 //! | `textures` | the report on a preset's maps: every approximation in its graph (feature `files`) |
+//! | `preview` | the report on the preview: pictures and times against the path tracer's (features `preview`, `files`) |
 //!
 //! A report writes no file: the command does.
 
@@ -21,8 +22,12 @@ mod flip;
 pub mod html;
 pub mod metric;
 pub mod optics;
+#[cfg(all(feature = "preview", feature = "files"))]
+pub mod picture;
 pub mod pictures;
 pub mod plot;
+#[cfg(all(feature = "preview", feature = "files"))]
+pub mod preview;
 pub mod skin_sweep;
 pub mod stability;
 pub mod swatch;

@@ -22,7 +22,7 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("preview", &["optics", "scene"]),
     ("viewer", &["optics", "maps", "scene", "preview"]),
     ("reference", &["optics", "scene"]),
-    ("report", &["optics", "node", "graph", "plan", "eval", "maps", "io", "scene", "reference"]),
+    ("report", &["optics", "node", "graph", "plan", "eval", "maps", "io", "scene", "preview", "reference"]),
     // The attic imports everything and is imported by nothing.
     (
         "cli",

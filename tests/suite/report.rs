@@ -64,3 +64,47 @@ fn the_report_on_textures_measures_a_preset_and_refuses_what_cannot_be() {
     );
     assert!(read("textures_saved.svg").starts_with("<svg") && read("textures.html").contains("<svg"));
 }
+
+/// On any adapter; without one the command says so.
+#[test]
+fn the_report_on_the_preview_shows_pictures_beside_the_path_tracers() {
+    let dir = tempfile::tempdir().expect("a folder");
+    let output = ophidian()
+        .args(["report", "preview", "--quick", "--json", "-o"])
+        .arg(dir.path())
+        .output()
+        .expect("the command runs");
+    let told = String::from_utf8_lossy(&output.stderr);
+    if told.contains("needs a graphics adapter") || told.contains("no graphics adapter") {
+        assert!(std::env::var_os("OPHIDIAN_REQUIRE_GPU").is_none_or(|v| v != "1"), "{told}");
+        println!("SKIPPED: {told}");
+        return;
+    }
+    let json: serde_json::Value =
+        serde_json::from_slice(&output.stdout).unwrap_or_else(|e| panic!("{e}: {told}"));
+    let rows = |table: &str| json["tables"][table].as_array().unwrap_or_else(|| panic!("{table}")).clone();
+    let number = |row: &serde_json::Value, column: &str| row[column].as_f64().unwrap_or(f64::NAN);
+    // What the preview draws is nearer to light as it draws it than to all light.
+    let [direct, full] = [0, 1].map(|i| number(&rows("scenes")[i], "dE mean"));
+    assert!(direct < full && direct < 5.0, "{direct} {full}");
+    // Without a light a picture is farther off than with all.
+    let shortcuts = rows("shortcuts");
+    let of = |name: &str| {
+        let row = shortcuts.iter().find(|row| row["changed"] == name).unwrap_or_else(|| panic!("{name}"));
+        number(row, "dE mean")
+    };
+    assert!(of("without environment") > 2.0 * of("as set for this adapter"), "{shortcuts:?}");
+    assert!(of("64 samples") <= of("1 sample"), "{shortcuts:?}");
+    // An even skin is near, and fewer terms of its film's series are not nearer.
+    let films = rows("films");
+    assert_eq!((films.len(), rows("snakes").len()), (24, 4));
+    assert!(
+        films.iter().filter(|row| row["terms"] == 3).all(|row| number(row, "dE mean") < 3.0),
+        "{films:?}"
+    );
+    let html = std::fs::read_to_string(dir.path().join("preview.html")).expect("a page");
+    assert!(html.matches("<image").count() >= 5 + 16 && html.matches("data:image/png;base64,").count() >= 21);
+    for outside in ["src=", "href=\"http", "@import", "url(", "<script"] {
+        assert!(!html.contains(outside), "{outside}");
+    }
+}

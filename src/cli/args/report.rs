@@ -44,4 +44,7 @@ pub(in crate::cli) enum ReportKind {
     Convergence,
     /// The maps of a preset: every approximation in its graph, drafts, and encodings.
     Textures,
+    /// The preview on this machine's graphics adapter: pictures against the path tracer's, and times.
+    #[cfg(feature = "preview")]
+    Preview,
 }
