@@ -19,6 +19,10 @@ use crate::base::{Domain, MapKind};
 use crate::graph::Graph;
 use crate::node::{Assets, Node, Reach};
 
+/// Bytes above which maps are made slab by slab even where they fit whole: measured, that is not slower from 4096 x 4096 on
+/// (0.9 of the time there, 0.8 at 8192 x 8192), since a slab's pages are used again.
+const AT_ONCE: u64 = 512 << 20;
+
 /// Index of a lane: one plane's worth of values.
 pub type LaneId = usize;
 
@@ -198,8 +202,8 @@ impl Plan {
         }
     }
 
-    /// Plan the wanted maps, all at once if `budget` (bytes) allows it, else slab by slab, for a caller who can take rows as
-    /// they come and wants at most so many of them `again` with the next slab.
+    /// Plan the wanted maps, all at once if that takes little, else slab by slab, for a caller who can take rows as they come
+    /// and wants at most so many of them `again` with the next slab; `budget` is in bytes.
     ///
     /// # Errors
     /// As [`Plan::new`]; the memory that is needed is then that of the thinnest slabs.
@@ -211,14 +215,18 @@ impl Plan {
         again: usize,
     ) -> Result<(Self, Option<Slabs>), PlanError> {
         let mut plan = Self::new(graph, wanted, domain, None)?;
-        match budget {
-            Some(budget) if plan.peak_bytes > budget => {
-                let refused = |need| PlanError::Memory { need, budget };
-                let (slabs, bytes) = slab::slabs(&plan, budget, again).map_err(refused)?;
+        let budget = budget.unwrap_or(u64::MAX);
+        let little = AT_ONCE.min(budget);
+        if plan.peak_bytes <= little {
+            return Ok((plan, None));
+        }
+        match slab::slabs(&plan, little, again).or_else(|_| slab::slabs(&plan, budget, again)) {
+            Ok((slabs, bytes)) => {
                 plan.peak_bytes = bytes;
                 Ok((plan, Some(slabs)))
             }
-            _ => Ok((plan, None)),
+            Err(_) if plan.peak_bytes <= budget => Ok((plan, None)),
+            Err(need) => Err(PlanError::Memory { need, budget }),
         }
     }
 
