@@ -104,7 +104,7 @@ pub fn report(
         let drawn = draw(gpu, case, &options, sizes.compared)?;
         let frame = time(gpu, case, &options, sizes.frame)?;
         let tracer = reference::Renderer::new(&case.scene)?;
-        let mut strip = vec![(format!("{} on {}: preview", case.skin, case.scene.name), srgb(&drawn))];
+        let mut strip = vec![("preview".to_owned(), srgb(&drawn))];
         for (name, transport) in [("direct", DIRECT), ("all light", FULL)] {
             let truth = trace(&tracer, case, &sizes, transport);
             let apart = Apart::new(&drawn, &truth, width)?;
@@ -133,7 +133,13 @@ pub fn report(
     page.prose(format!("Frames are of {frame_width} x {frame_height} pixels."));
     page.table(table);
     let strips = picture::rows(sizes.compared, 180, &strips)?;
-    page.figure("pictures", strips, "Preview, direct light and all light, and the differences from them.");
+    let rows: Vec<String> =
+        cases.iter().map(|case| format!("{} on {}", case.skin, case.scene.name)).collect();
+    page.figure(
+        "pictures",
+        strips,
+        format!("Preview, direct light and all light, and the differences from them: {}.", rows.join(", ")),
+    );
 
     if let Some((case, truth)) = cases.first().zip(first) {
         page.heading("Shortcuts");

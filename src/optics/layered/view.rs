@@ -42,7 +42,7 @@ pub struct View<'a, F, B, const N: usize> {
 /// A direction that light may come from.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample<F, const N: usize> {
-    /// Where the light comes from: unit, above the surface unless the [`Base`] wraps.
+    /// Where the light comes from: unit, above the surface unless the [`Base`](super::Base) wraps.
     pub wi: [F; 3],
     /// BRDF without the cosine, 1/sr. For a mirror the factor of its delta function over the cosine: in both cases
     /// `f |wi.z|/pdf` is what a path is multiplied by.
@@ -55,7 +55,8 @@ pub struct Sample<F, const N: usize> {
 
 impl<F: Real, B: Bands<F, N>, const N: usize> View<'_, F, B, N> {
     /// BRDF without the cosine, 1/sr, and the density of [`View::sample`]; both without a mirror's part. 0 below the
-    /// horizon, but for a [`Base`] that wraps: there, too, light is `f |wi.z|`. Never negative; no NaN for unit vectors.
+    /// horizon, but for a [`Base`](super::Base) that wraps: there, too, light is `f |wi.z|`. Never negative; no NaN for
+    /// unit vectors.
     #[inline(always)]
     pub fn eval_pdf(&self, wi: [F; 3]) -> ([F; N], F) {
         let (mut f, mut pdf) = ([F::ZERO; N], F::ZERO);
