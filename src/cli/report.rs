@@ -22,7 +22,7 @@ pub(super) fn run(args: &Report) -> Result<Exit, Failure> {
         message: format!("{} cannot be made: {}", args.output.display(), super::load::plain(&e)),
         help: None,
     })?;
-    let progress = Progress::new(args.json);
+    let progress = Progress::new(args.quiet || args.json);
     progress.start("report".into());
     let mut watch = |share: f32, step: &str| progress.evaluated(share, step);
     let effort = if args.quick { Effort::Quick } else { Effort::Full };
@@ -39,7 +39,7 @@ pub(super) fn run(args: &Report) -> Result<Exit, Failure> {
     let mut out = anstream::stdout();
     if args.json {
         writeln!(out, "{}", report.json())?;
-    } else {
+    } else if !args.quiet {
         write!(out, "{}", report.summary)?;
         writeln!(out, "{}", args.output.join(&files[0].0).display())?;
     }

@@ -63,6 +63,13 @@ fn the_report_on_textures_measures_a_preset_and_refuses_what_cannot_be() {
         csv.starts_with("shortcut,in place of,map,unit,max,RMS,") && csv.lines().count() == rows.len() + 1
     );
     assert!(read("textures_saved.svg").starts_with("<svg") && read("textures.html").contains("<svg"));
+    let output = ophidian()
+        .args(["report", "textures", "python_regius", "--size", "16", "--quick", "-q", "-o", "small"])
+        .current_dir(dir.path())
+        .output()
+        .expect("the command runs");
+    assert!(output.stdout.is_empty() && output.stderr.is_empty(), "{output:?}");
+    assert!(dir.path().join("small/textures.html").is_file());
 }
 
 /// On any adapter; without one the command says so.

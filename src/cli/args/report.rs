@@ -30,6 +30,9 @@ pub(in crate::cli) struct Report {
     /// Seconds instead of minutes: fewer films, random cases, texels and rounds.
     #[arg(long)]
     pub(in crate::cli) quick: bool,
+    /// Print nothing but problems.
+    #[arg(short, long)]
+    pub(in crate::cli) quiet: bool,
     /// Print all numbers as JSON on standard output.
     #[arg(long)]
     pub(in crate::cli) json: bool,
