@@ -63,7 +63,7 @@
 //! | `scene` | what renderers see: meshes, materials, lights, cameras (feature `render`) | `base` `optics` `preset` `maps` |
 //! | `preview` | the picture now: a scene drawn on a GPU (feature `preview`) | `base` `optics` `scene` |
 //! | `reference` | ground truth: a spectral path tracer (feature `render`) | `base` `optics` `scene` |
-//! | `report` | what every shortcut costs: errors against times, as a page (feature `render`) | `optics` `node` `graph` `plan` `eval` `maps` `io` `scene` `reference` |
+//! | `report` | what every shortcut costs: errors against times, as a page (feature `render`) | `base` `optics` `node` `graph` `plan` `eval` `maps` `io` `scene` `preview` `reference` |
 //! | `cli` | the command (feature `cli`); imported by nothing | all of them |
 //!
 //! Files are touched in `io` and `cli` only, the environment in `cli`, a clock in `cli` and `report`. `cli`

@@ -136,9 +136,12 @@ fn plan_set(
 ) -> Result<(Plan, Option<Slabs>), Failure> {
     if options.outputs == [Output::Png].into() {
         let again = options.png.most_strip_rows(domain.width);
-        return Plan::in_slabs(graph, wanted, domain, budget, again).map_err(|e| refused(graph, domain, e));
+        return Plan::in_slabs(graph, wanted, domain, budget, again)
+            .map_err(|error| refused(graph, domain, error, SMALLER));
     }
-    plan(graph, wanted, domain, budget).map(|plan| (plan, None))
+    let plan = Plan::new(graph, wanted, domain, budget)
+        .map_err(|error| refused(graph, domain, error, OTHER_FORMAT))?;
+    Ok((plan, None))
 }
 
 /// Plan, with the refusal as a message.
@@ -148,17 +151,22 @@ pub(super) fn plan(
     domain: Domain,
     budget: Option<u64>,
 ) -> Result<Plan, Failure> {
-    Plan::new(graph, wanted, domain, budget).map_err(|error| refused(graph, domain, error))
+    Plan::new(graph, wanted, domain, budget).map_err(|error| refused(graph, domain, error, SMALLER))
 }
 
-fn refused(graph: &Graph, domain: Domain, error: PlanError) -> Failure {
+/// What helps where nothing else would take less memory.
+const SMALLER: &str = "choose a smaller --size or fewer --maps, or allow more by --memory";
+
+/// What helps a set that could be made slab by slab, were all its files PNG.
+const OTHER_FORMAT: &str =
+    "choose PNG files only, a smaller --size or fewer --maps, or allow more by --memory";
+
+fn refused(graph: &Graph, domain: Domain, error: PlanError, less_memory: &str) -> Failure {
     match error {
         PlanError::Memory { .. } => Failure::Message {
             exit: Exit::Memory,
             message: format!("{} at {} x {}: {error}", graph.name, domain.width, domain.height),
-            help: Some(
-                "choose a smaller --size, fewer --maps or PNG files only, or allow more by --memory".into(),
-            ),
+            help: Some(less_memory.into()),
         },
         PlanError::NoSuchMap { .. } => Failure::usage(error, "choose among these by --maps"),
         PlanError::Size { .. } => Failure::usage(error, "choose another --size"),

@@ -55,19 +55,19 @@ fn sees_one_surface(pixel: &reference::Pixel) -> bool {
 }
 
 /// The bound of the issue, mean CIEDE2000 beside silhouettes, and that the picture can fail it: a film 5 % thicker does.
+/// What a preview draws, by the path tracer.
+fn direct_light([width, height]: [usize; 2]) -> Settings {
+    let transport = Transport::Direct { environment_shadows: false };
+    Settings { width, height, samples: 128, transport, ..Settings::default() }
+}
+
 #[test]
 fn a_preview_is_the_path_tracers_picture_of_direct_light() {
     const MOST: f64 = 1.0;
     let Some(gpu) = gpu() else { return };
     let (spec, mut scene) = scene("coil");
     let size = [96, 72];
-    let settings = Settings {
-        width: size[0],
-        height: size[1],
-        samples: 128,
-        transport: Transport::Direct { environment_shadows: false },
-        ..Settings::default()
-    };
+    let settings = direct_light(size);
     let film = reference::Renderer::new(&scene).expect("a sound scene").render(&settings, Control::default());
     let apart = |scene: &Scene| {
         let mut renderer = Renderer::new(&gpu, scene, &Options::of(&gpu)).expect("it fits");
@@ -116,13 +116,7 @@ fn a_preview_of_maps_comes_near_where_pixels_have_samples_and_a_thicker_film_doe
     };
     let mut scene = Scene::build(&spec, &inputs).expect("it can be built");
     let size = [160, 120];
-    let settings = Settings {
-        width: size[0],
-        height: size[1],
-        samples: 128,
-        transport: Transport::Direct { environment_shadows: false },
-        ..Settings::default()
-    };
+    let settings = direct_light(size);
     let traced = |scene: &Scene, settings: &Settings| {
         reference::Renderer::new(scene).expect("a sound scene").render(settings, Control::default())
     };
