@@ -10,12 +10,14 @@
 //! | [`simd`] | run-time dispatch that can be forced, with equal bits at every level |
 //! | [`color`] | linear and sRGB colour as different types, Oklab, HSL |
 //! | [`params`] | settings held against the ranges that their struct declares |
+//! | [`kept`] | room to work in that is kept from one band to the next |
 //! | [`watch`] | telling what is at work, without a clock |
 //! | [`MapKind`] | the maps a texture set can hold |
 
 pub mod color;
 pub mod domain;
 pub mod hash;
+pub mod kept;
 pub mod map_kind;
 pub mod num;
 pub mod params;

@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use super::lattice::{Bands, Cells, Coords, Metric, Perlin, PerlinRow, Shear, simplex, value, worley};
+use crate::base::kept::Kept;
 use crate::base::{hash, num};
 use crate::multiversion;
 use crate::node::spec::OFFSETS;
@@ -138,10 +139,49 @@ impl Octave {
     }
 }
 
+/// What all bands share.
+struct Octaves {
+    octaves: Vec<Octave>,
+    room: Kept<Room>,
+}
+
+/// What a row of texels takes.
+struct Room {
+    at: Coords,
+    /// For each octave.
+    kept: Vec<PerlinRow>,
+    noise: Vec<f32>,
+    /// The ridges' feedback.
+    weight: Vec<f32>,
+    sums: Sums,
+}
+
+impl Room {
+    fn new(width: usize, octaves: usize) -> Self {
+        Self {
+            at: Coords::new(width),
+            kept: (0..octaves).map(|_| PerlinRow::default()).collect(),
+            noise: vec![0.0; width],
+            weight: vec![0.0; width],
+            sums: Sums::default(),
+        }
+    }
+}
+
 /// Running sums of a row of texels whose gain differs.
+#[derive(Default)]
 struct Sums {
     amp: Vec<f32>,
     total: Vec<f32>,
+}
+
+impl Sums {
+    fn begin(&mut self, width: usize) {
+        self.amp.resize(width, 1.0);
+        self.amp.fill(1.0);
+        self.total.resize(width, 0.0);
+        self.total.fill(0.0);
+    }
 }
 
 impl Operation for Fractal {
@@ -175,46 +215,54 @@ impl Operation for Fractal {
     }
 
     fn prepare(&self, cx: &Cx<'_>) -> Option<Prepared> {
-        Some(Box::new(self.octaves(cx.seed)))
+        Some(Box::new(Octaves { octaves: self.octaves(cx.seed), room: Kept::new() }))
     }
 
     fn eval(&self, cx: &Cx<'_>, rows: Range<i64>, ins: &Inputs<'_>, outs: &mut Outputs<'_>) {
-        let octaves: &Vec<Octave> = cx.prepared();
-        let width = cx.domain.width;
-        let mut at = Coords::new(width);
-        let mut kept: Vec<PerlinRow> = octaves.iter().map(|_| PerlinRow::default()).collect();
-        let (mut noise, mut weight) = (vec![0.0; width], vec![0.0; width]);
+        let Octaves { octaves, room } = cx.prepared();
+        room.lend(
+            || Room::new(cx.domain.width, octaves.len()),
+            |room| rows.for_each(|y| self.row(cx, octaves, y, ins, outs.only(y), room)),
+        );
+    }
+}
+
+impl Fractal {
+    fn row(
+        &self,
+        cx: &Cx<'_>,
+        octaves: &[Octave],
+        y: i64,
+        ins: &Inputs<'_>,
+        out: &mut [f32],
+        room: &mut Room,
+    ) {
+        let Room { at, kept, noise, weight, sums } = room;
+        at.set(&cx.domain, ins, DU, y);
         let gain = ins.constant(GAIN).map(num::saturate);
-        let mut sums = match gain {
-            Some(_) => Sums { amp: Vec::new(), total: Vec::new() },
-            None => Sums { amp: vec![0.0; width], total: vec![0.0; width] },
-        };
-        for y in rows {
-            at.set(&cx.domain, ins, DU, y);
-            let out = outs.only(y);
-            out.fill(0.0);
-            weight.fill(1.0);
-            let (mut amp, mut total) = (1.0, 0.0);
-            sums.amp.fill(1.0);
-            sums.total.fill(0.0);
-            for (octave, kept) in octaves.iter().zip(&mut kept) {
-                octave.sample(&at, kept, &mut noise);
-                match gain {
-                    Some(gain) => {
-                        add(self.sum, &noise, amp, &mut weight, out);
-                        total += amp;
-                        amp *= gain;
-                    }
-                    None => {
-                        signal(self.sum, &mut noise, &mut weight);
-                        add_weighted(&noise, ins.row(GAIN, y), &mut sums.amp, &mut sums.total, out);
-                    }
+        out.fill(0.0);
+        weight.fill(1.0);
+        let (mut amp, mut total) = (1.0, 0.0);
+        if gain.is_none() {
+            sums.begin(out.len());
+        }
+        for (octave, kept) in octaves.iter().zip(kept) {
+            octave.sample(at, kept, noise);
+            match gain {
+                Some(gain) => {
+                    add(self.sum, noise, amp, weight, out);
+                    total += amp;
+                    amp *= gain;
+                }
+                None => {
+                    signal(self.sum, noise, weight);
+                    add_weighted(noise, ins.row(GAIN, y), &mut sums.amp, &mut sums.total, out);
                 }
             }
-            match gain {
-                Some(_) => divide(total, out),
-                None => divide_each(&sums.total, out),
-            }
+        }
+        match gain {
+            Some(_) => divide(total, out),
+            None => divide_each(&sums.total, out),
         }
     }
 }

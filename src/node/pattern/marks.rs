@@ -7,6 +7,7 @@ use std::ops::Range;
 
 use self::lay::{Places, ellipses, find, padded, push, quads};
 use self::series::Series;
+use crate::base::kept::Kept;
 use crate::node::spec::OFFSETS;
 use crate::node::{Category, Cx, InputSpec, Inputs, Operation, OutputSpec, Outputs, Prepared, Spec};
 
@@ -148,29 +149,50 @@ impl Operation for Marks {
     }
 
     fn prepare(&self, cx: &Cx<'_>) -> Option<Prepared> {
-        Some(Box::new(Series::new(self, cx)))
+        Some(Box::new(Laid { series: Series::new(self, cx), room: Kept::new() }))
     }
 
     fn eval(&self, cx: &Cx<'_>, rows: Range<i64>, ins: &Inputs<'_>, outs: &mut Outputs<'_>) {
-        let series: &Series = cx.prepared();
+        let Laid { series, room } = cx.prepared();
         let kernel = if self.shape == MarkShape::Ellipse { ellipses } else { quads };
-        let width = outs.width();
-        let (mut random, mut distance) = (vec![0.0; padded(width)], vec![0.0; padded(width)]);
-        let mut place = Places::new(width);
-        for y in rows {
+        let row = |y: i64, outs: &mut Outputs<'_>, Room { place, distance, random }: &mut Room| {
             let v = cx.domain.v(y);
             distance.fill(-1e6);
             random.fill(0.0);
             for side in &series.sides {
-                find(series, side, v, ins.row(DU, y), ins.row(DV, y), &mut place);
-                kernel(series, side, &place, &mut distance, &mut random);
+                find(series, side, v, ins.row(DU, y), ins.row(DV, y), place);
+                kernel(series, side, place, distance, random);
             }
             if let Some(out) = outs.row(DISTANCE, y) {
-                push(&distance, ins.row(DISTORT, y), out);
+                push(distance, ins.row(DISTORT, y), out);
             }
             if let Some(out) = outs.row(RANDOM, y) {
-                out.copy_from_slice(&random[..width]);
+                out.copy_from_slice(&random[..out.len()]);
             }
+        };
+        room.lend(|| Room::new(cx.domain.width), |room| rows.for_each(|y| row(y, outs, room)));
+    }
+}
+
+/// What all bands share.
+struct Laid {
+    series: Series,
+    room: Kept<Room>,
+}
+
+/// What a row of texels takes.
+struct Room {
+    place: Places,
+    distance: Vec<f32>,
+    random: Vec<f32>,
+}
+
+impl Room {
+    fn new(width: usize) -> Self {
+        Self {
+            place: Places::new(width),
+            distance: vec![0.0; padded(width)],
+            random: vec![0.0; padded(width)],
         }
     }
 }

@@ -4,8 +4,9 @@ use std::ops::Range;
 
 use super::scale_paint::{Band, paint};
 use super::scale_table::Table;
-use super::scale_write::write;
+use super::scale_write::{Line, write};
 use crate::base::Domain;
+use crate::base::kept::Kept;
 use crate::node::{Category, Cx, Inputs, Operation, OutputSpec, Outputs, ParamError, Prepared, Spec};
 
 /// Outline of a dorsal scale.
@@ -245,15 +246,25 @@ impl Operation for ScaleLattice {
     }
 
     fn prepare(&self, cx: &Cx<'_>) -> Option<Prepared> {
-        Some(Box::new(Table::new(self, &cx.domain, cx.seed)))
+        Some(Box::new(Places { table: Table::new(self, &cx.domain, cx.seed), room: Kept::new() }))
     }
 
     fn eval(&self, cx: &Cx<'_>, rows: Range<i64>, _: &Inputs<'_>, outs: &mut Outputs<'_>) {
-        let table: &Table = cx.prepared();
-        let mut band = Band::new(&cx.domain, rows);
-        paint(table, &cx.domain, &mut band);
-        write(table, &cx.domain, &band, outs);
+        let Places { table, room } = cx.prepared();
+        room.lend(
+            || (Band::new(&cx.domain), Line::new(&cx.domain)),
+            |(band, line)| {
+                paint(table, &cx.domain, rows, band);
+                write(table, &cx.domain, band, line, outs);
+            },
+        );
     }
+}
+
+/// What all bands share.
+struct Places {
+    table: Table,
+    room: Kept<(Band, Line)>,
 }
 
 /// Physical size of a texel, for one-texel ramps, mm.

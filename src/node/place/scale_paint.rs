@@ -48,7 +48,7 @@ pub(super) struct Band {
 }
 
 impl Band {
-    fn stride(domain: &Domain) -> usize {
+    pub(super) fn stride(domain: &Domain) -> usize {
         domain.width.next_multiple_of(LANES) + LANES
     }
 
@@ -57,21 +57,36 @@ impl Band {
         (5 * 4 * Self::stride(domain) * rows) as u64
     }
 
-    pub(super) fn new(domain: &Domain, rows: Range<i64>) -> Self {
-        let stride = Self::stride(domain);
-        let texels = (rows.end - rows.start) as usize * stride;
+    /// Room for bands of this domain.
+    pub(super) fn new(domain: &Domain) -> Self {
         Self {
-            rows,
+            rows: 0..0,
             width: domain.width,
-            stride,
+            stride: Self::stride(domain),
             copies: Vec::new(),
-            top: vec![SKIN; texels],
-            height: vec![0.0; texels],
-            // Larger than any scale: the distance to a border that is not there.
-            edge: vec![f32::MAX; texels],
-            outline: vec![0.0; texels],
-            cover: vec![0.0; texels],
+            top: Vec::new(),
+            height: Vec::new(),
+            edge: Vec::new(),
+            outline: Vec::new(),
+            cover: Vec::new(),
         }
+    }
+
+    /// Bare skin on these rows.
+    fn clear(&mut self, rows: Range<i64>) {
+        let texels = (rows.end - rows.start) as usize * self.stride;
+        self.rows = rows;
+        let fill = |plane: &mut Vec<f32>, value| {
+            plane.resize(texels, value);
+            plane.fill(value);
+        };
+        self.top.resize(texels, SKIN);
+        self.top.fill(SKIN);
+        fill(&mut self.height, 0.0);
+        // Larger than any scale: the distance to a border that is not there.
+        fill(&mut self.edge, f32::MAX);
+        fill(&mut self.outline, 0.0);
+        fill(&mut self.cover, 0.0);
     }
 
     /// Where row `y` stands in the band's planes.
@@ -81,9 +96,10 @@ impl Band {
     }
 }
 
-/// Paint every scale that the band can see.
-pub(super) fn paint(table: &Table, domain: &Domain, band: &mut Band) {
-    band.copies = visible(table, domain, &band.rows);
+/// Paint every scale that these rows can see.
+pub(super) fn paint(table: &Table, domain: &Domain, rows: Range<i64>, band: &mut Band) {
+    band.clear(rows);
+    visible(table, domain, &band.rows, &mut band.copies);
     for i in 0..band.copies.len() {
         let copy = band.copies[i];
         let form = if copy.is_scute { &table.ventral } else { &table.dorsal };
@@ -92,10 +108,10 @@ pub(super) fn paint(table: &Table, domain: &Domain, band: &mut Band) {
 }
 
 /// Copies of scales whose boxes hold texels of the rows, tail-most first: the order they are painted in.
-fn visible(table: &Table, domain: &Domain, rows: &Range<i64>) -> Vec<Copy> {
+fn visible(table: &Table, domain: &Domain, rows: &Range<i64>, copies: &mut Vec<Copy>) {
     let texel = domain.texel_v_mm();
     let (top_mm, bottom_mm) = (rows.start as f32 * texel, rows.end as f32 * texel);
-    let mut copies = Vec::new();
+    copies.clear();
     for row in &table.rows {
         let reach = row.reach_mm + texel_mm(domain);
         let first = ((top_mm - reach - row.start_mm) / row.pitch_mm).floor() as i64;
@@ -110,13 +126,13 @@ fn visible(table: &Table, domain: &Domain, rows: &Range<i64>) -> Vec<Copy> {
             }
         }
     }
-    copies.sort_by(|a, b| {
+    // No two are equal: they differ in the scale, or by a tile's length.
+    copies.sort_unstable_by(|a, b| {
         b.is_scute
             .cmp(&a.is_scute)
             .then_with(|| b.y_mm.total_cmp(&a.y_mm))
             .then_with(|| a.scale.cmp(&b.scale))
     });
-    copies
 }
 
 /// The box of the turned outline, cut by the rows; `None` where nothing is left.

@@ -10,10 +10,17 @@ use crate::node::Outputs;
 use crate::node::generate::columns;
 
 /// One row of each output that a scale tells: [`port::S`] and what follows. It runs over by less than [`LANES`].
-struct Line {
+pub(super) struct Line {
     values: [Vec<f32>; port::COUNT],
     /// u of the columns.
     us: Vec<f32>,
+}
+
+impl Line {
+    pub(super) fn new(domain: &Domain) -> Self {
+        let stride = Band::stride(domain);
+        Self { values: std::array::from_fn(|_| vec![0.0; stride]), us: columns(domain, stride) }
+    }
 }
 
 /// A run of texels under one scale.
@@ -28,11 +35,9 @@ struct Run<'a> {
 }
 
 /// Write what anybody reads of a painted band.
-pub(super) fn write(table: &Table, domain: &Domain, band: &Band, outs: &mut Outputs<'_>) {
+pub(super) fn write(table: &Table, domain: &Domain, band: &Band, line: &mut Line, outs: &mut Outputs<'_>) {
     let wanted: Vec<usize> = (port::S..port::COUNT).filter(|&output| outs.wants(output)).collect();
     let wants_local = wanted.iter().any(|&output| output <= port::DV);
-    let mut line =
-        Line { values: std::array::from_fn(|_| vec![0.0; band.stride]), us: columns(domain, band.stride) };
     for y in band.rows.clone() {
         let span = band.row(y);
         let top = &band.top[span.clone()];
@@ -66,7 +71,7 @@ pub(super) fn write(table: &Table, domain: &Domain, band: &Band, outs: &mut Outp
                             girth_mm: domain.girth_mm,
                             length_mm: domain.length_mm,
                         };
-                        local(&run, &mut line);
+                        local(&run, line);
                     }
                     for &output in &wanted {
                         let value = match output {

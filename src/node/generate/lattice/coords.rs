@@ -12,13 +12,14 @@ pub(in crate::node) struct Coords {
     us: Vec<f32>,
     vs: Vec<f32>,
     row_v: Option<f32>,
-    same_u: bool,
+    /// The offset around the body, where it is a constant.
+    du: Option<f32>,
 }
 
 impl Coords {
     /// Room for rows of `width` texels.
     pub(in crate::node) fn new(width: usize) -> Self {
-        Self { columns: Vec::new(), us: vec![0.0; width], vs: vec![0.0; width], row_v: None, same_u: false }
+        Self { columns: Vec::new(), us: vec![0.0; width], vs: vec![0.0; width], row_v: None, du: None }
     }
 
     /// The coordinates of row `y`, whose offsets are the inputs `du` and `du + 1`.
@@ -27,9 +28,10 @@ impl Coords {
             self.columns = columns(domain, self.us.len());
         }
         // A constant offset around the body is the same in every row.
-        if !self.same_u {
+        let constant = ins.constant(du);
+        if constant.is_none() || constant != self.du {
             moved(&self.columns, ins.row(du, y), &mut self.us);
-            self.same_u = ins.constant(du).is_some();
+            self.du = constant;
         }
         let v = domain.v(y);
         self.row_v = ins.constant(du + 1).map(|dv| num::fract(v + dv));
@@ -44,9 +46,9 @@ impl Coords {
         &self.us
     }
 
-    /// Whether every row has the same `us`.
-    pub(in crate::node) fn same_u(&self) -> bool {
-        self.same_u
+    /// The offset around the body, where it is a constant: rows of the same one have the same `us`.
+    pub(in crate::node) fn du(&self) -> Option<f32> {
+        self.du
     }
 
     /// v of every texel, in [0, 1].

@@ -29,6 +29,8 @@ pub(in super::super) struct Perlin {
 pub(in super::super) struct PerlinRow {
     /// The row of cells.
     row: Option<u32>,
+    /// The offset around the body for which `columns` hold.
+    du: Option<f32>,
     /// Bits of its cells; a power of two of them, so that no bound need be checked.
     cells: Vec<u32>,
     /// Column of each texel's cell.
@@ -43,13 +45,13 @@ impl Perlin {
         Self { cells, table: OnceLock::new() }
     }
 
-    /// The noise along a row of texels. `kept` belongs to this noise and, while `at` has the same u, to this `at`.
+    /// The noise along a row of texels. `kept` belongs to this noise and the columns of this `at`.
     pub(in super::super) fn sample(&self, at: &Coords, kept: &mut PerlinRow, out: &mut [f32]) {
         let cells = self.cells;
         let (columns, rows) = (cells.u as usize, cells.v as usize);
         match at.row_v() {
             // With more cells than texels, texels are hashed faster than cells.
-            Some(v) if at.same_u() && columns <= out.len() => {
+            Some(v) if at.du().is_some() && columns <= out.len() => {
                 let (_, t) = cells.at(0.0, v);
                 let (row, _, y) = axis(t, cells.v);
                 kept.set(at, cells, row);
@@ -67,14 +69,15 @@ impl Perlin {
 
 impl PerlinRow {
     fn set(&mut self, at: &Coords, cells: Cells, row: u32) {
+        if self.du != at.du() {
+            self.cells.resize((cells.u as usize).next_power_of_two(), 0);
+            self.columns.resize(at.us().len(), 0);
+            self.bits.resize(at.us().len(), 0);
+            find_columns(at.us(), cells, &mut self.columns);
+            (self.du, self.row) = (at.du(), None);
+        }
         if self.row == Some(row) {
             return;
-        }
-        if self.row.is_none() {
-            self.cells = vec![0; (cells.u as usize).next_power_of_two()];
-            self.columns = vec![0; at.us().len()];
-            self.bits = vec![0; at.us().len()];
-            find_columns(at.us(), cells, &mut self.columns);
         }
         self.row = Some(row);
         row_bits(cells, row, &mut self.cells[..cells.u as usize]);
