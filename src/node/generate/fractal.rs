@@ -127,12 +127,12 @@ impl Octave {
             Self::Simplex(cells, shear) => simplex(at, *cells, *shear, out),
             Self::WorleyF1(cells) => {
                 bands.f1 = &mut *out;
-                worley(at.us(), at.vs(), *cells, Metric::Euclidean, 1.0, &mut bands);
+                worley(at, *cells, Metric::Euclidean, 1.0, &mut bands);
                 signed_distance(out);
             }
             Self::WorleyEdge(cells) => {
                 bands.edge = &mut *out;
-                worley(at.us(), at.vs(), *cells, Metric::Euclidean, 1.0, &mut bands);
+                worley(at, *cells, Metric::Euclidean, 1.0, &mut bands);
                 signed_distance(out);
             }
         }

@@ -76,7 +76,7 @@ impl Operation for Worley {
                 edge: take_row(&mut edge, width),
                 id: take_row(&mut id, width),
             };
-            worley(at.us(), at.vs(), cells, self.metric, jitter, &mut row);
+            worley(&at, cells, self.metric, jitter, &mut row);
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Cellular noise: distances to the two nearest of one random point per cell.
 
-use super::{Cells, floor, to_u32};
+use super::{Cells, Coords, floor, to_u32};
 use crate::base::hash;
 use crate::multiversion;
 
@@ -82,6 +82,100 @@ impl Spread {
     }
 }
 
+/// The points of the cells that a row of texels can see: those of its own row of cells and of two to each side.
+struct Points {
+    /// Hash of each point, from two cells before the first column to two past the last, row by row.
+    hash: Vec<u32>,
+    /// Where they lie, each from where its cell's points begin, in cells.
+    x: Vec<f32>,
+    y: Vec<f32>,
+    stride: usize,
+}
+
+impl Points {
+    #[inline(always)]
+    fn around(row: u32, cells: Cells, spread: Spread) -> Self {
+        let stride = cells.u as usize + 4;
+        let n = 5 * stride;
+        let mut points = Self { hash: vec![0; n], x: vec![0.0; n], y: vec![0.0; n], stride };
+        for dj in 0..5 {
+            let key = hash::pcg(cells.seed ^ neighbour(row, dj as i32 - 2, cells.v));
+            let line = dj * stride..(dj + 1) * stride;
+            let hashes = &mut points.hash[line.clone()];
+            for c in 0..stride {
+                let column = (c as u32 + 2 * cells.u - 2) % cells.u;
+                hashes[c] = hash::pcg(key.wrapping_add(column));
+            }
+            let (xs, ys) = (&mut points.x[line.clone()], &mut points.y[line]);
+            for c in 0..stride {
+                xs[c] = (hashes[c] >> 16) as i32 as f32 * spread.scale;
+                ys[c] = (hashes[c] & 0xffff) as i32 as f32 * spread.scale;
+            }
+        }
+        points
+    }
+}
+
+/// A block of texels of one row that lie in the same cell.
+struct InCell<'a> {
+    points: &'a Points,
+    cell: usize,
+    /// Place of the row within the cell.
+    y: f32,
+    spread: Spread,
+}
+
+/// How a block meets the points of the cells around it.
+trait Around {
+    /// Take the points of these rows and columns of cells, counted from the own cell, into account.
+    fn visit<const METRIC: usize>(&self, block: &mut Block, rows: [i32; 2], columns: [i32; 2]);
+}
+
+impl Around for InCell<'_> {
+    #[inline(always)]
+    fn visit<const METRIC: usize>(&self, block: &mut Block, rows: [i32; 2], columns: [i32; 2]) {
+        for dj in rows[0]..=rows[1] {
+            for di in columns[0]..=columns[1] {
+                let k = (dj + 2) as usize * self.points.stride + self.cell + (di + 2) as usize;
+                let (h, x) = (self.points.hash[k], self.points.x[k]);
+                let dy = self.points.y[k] + (dj as f32 + self.spread.start - self.y);
+                for l in 0..LANES {
+                    let dx = x + (di as f32 + self.spread.start - block.x[l]);
+                    block.meet::<METRIC>(l, dx, dy, h);
+                }
+            }
+        }
+    }
+}
+
+/// A block of texels whose cells may differ: every texel hashes its own.
+struct Hashed {
+    cells: Cells,
+    spread: Spread,
+}
+
+impl Around for Hashed {
+    #[inline(always)]
+    fn visit<const METRIC: usize>(&self, block: &mut Block, rows: [i32; 2], columns: [i32; 2]) {
+        let mut lines = [const { Line { key: [0; LANES], from: [0.0; LANES] } }; 5];
+        for di in columns[0]..=columns[1] {
+            lines[(di + 2) as usize] = block.column(di, self.cells, self.spread);
+        }
+        for dj in rows[0]..=rows[1] {
+            let row = block.row(dj, self.cells, self.spread);
+            for di in columns[0]..=columns[1] {
+                let column = &lines[(di + 2) as usize];
+                for l in 0..LANES {
+                    let h = hash::pcg(row.key[l].wrapping_add(column.key[l]));
+                    let dx = (h >> 16) as i32 as f32 * self.spread.scale + column.from[l];
+                    let dy = (h & 0xffff) as i32 as f32 * self.spread.scale + row.from[l];
+                    block.meet::<METRIC>(l, dx, dy, h);
+                }
+            }
+        }
+    }
+}
+
 impl Block {
     #[inline(always)]
     fn column(&self, di: i32, cells: Cells, spread: Spread) -> Line {
@@ -103,24 +197,19 @@ impl Block {
         line
     }
 
-    /// Take the point of the cell where `row` and `column` cross into account.
+    /// Take a point into account, whose hash is `h`.
     #[inline(always)]
-    fn visit<const METRIC: usize>(&mut self, row: &Line, column: &Line, spread: Spread) {
-        for l in 0..LANES {
-            let h = hash::pcg(row.key[l].wrapping_add(column.key[l]));
-            let dx = (h >> 16) as i32 as f32 * spread.scale + column.from[l];
-            let dy = (h & 0xffff) as i32 as f32 * spread.scale + row.from[l];
-            let d = match METRIC {
-                0 => dx * dx + dy * dy,
-                1 => dx.abs() + dy.abs(),
-                _ => greater(dx.abs(), dy.abs()),
-            };
-            let nearer = d < self.f1[l];
-            let loser = greater(d, self.f1[l]);
-            self.f2[l] = if loser < self.f2[l] { loser } else { self.f2[l] };
-            self.f1[l] = if nearer { d } else { self.f1[l] };
-            self.id[l] = if nearer { h } else { self.id[l] };
-        }
+    fn meet<const METRIC: usize>(&mut self, l: usize, dx: f32, dy: f32, h: u32) {
+        let d = match METRIC {
+            0 => dx * dx + dy * dy,
+            1 => dx.abs() + dy.abs(),
+            _ => greater(dx.abs(), dy.abs()),
+        };
+        let nearer = d < self.f1[l];
+        let loser = greater(d, self.f1[l]);
+        self.f2[l] = if loser < self.f2[l] { loser } else { self.f2[l] };
+        self.f1[l] = if nearer { d } else { self.f1[l] };
+        self.id[l] = if nearer { h } else { self.id[l] };
     }
 
     /// Search the cells around.
@@ -129,16 +218,8 @@ impl Block {
     /// what was found is farther, that side of the next ring is searched too. Outside 5 x 5 no point can be nearest
     /// or second: the own cell's and one neighbour's points are at most 2 away in each of the three metrics.
     #[inline(always)]
-    fn search<const METRIC: usize>(&mut self, cells: Cells, jitter: f32, second: bool) {
-        let spread = Spread::new(jitter);
-        let columns =
-            [self.column(-1, cells, spread), self.column(0, cells, spread), self.column(1, cells, spread)];
-        for dj in -1..=1 {
-            let row = self.row(dj, cells, spread);
-            for column in &columns {
-                self.visit::<METRIC>(&row, column, spread);
-            }
-        }
+    fn search<const METRIC: usize>(&mut self, around: &impl Around, jitter: f32, second: bool) {
+        around.visit::<METRIC>(self, [-1, 1], [-1, 1]);
         let margin = 1.0 + 0.5 * (1.0 - jitter);
         let mut far = [false; 4];
         for l in 0..LANES {
@@ -155,20 +236,12 @@ impl Block {
         }
         for (side, di) in [(0, -2), (1, 2)] {
             if far[side] {
-                let column = self.column(di, cells, spread);
-                for dj in -1..=1 {
-                    let row = self.row(dj, cells, spread);
-                    self.visit::<METRIC>(&row, &column, spread);
-                }
+                around.visit::<METRIC>(self, [-1, 1], [di, di]);
             }
         }
         for (side, dj) in [(2, -2), (3, 2)] {
             if far[side] {
-                let row = self.row(dj, cells, spread);
-                for di in -2..=2 {
-                    let column = self.column(di, cells, spread);
-                    self.visit::<METRIC>(&row, &column, spread);
-                }
+                around.visit::<METRIC>(self, [dj, dj], [-2, 2]);
             }
         }
         if METRIC == 0 {
@@ -207,40 +280,117 @@ fn own(t: f32, cells: u32) -> (u32, f32) {
     (if i >= cells { i - cells } else { i }, t - low)
 }
 
+/// Blocks of texels that lie in one cell are common where a cell is at least so many texels wide.
+const WIDE: usize = 24;
+
+/// Cellular noise of a row of texels.
+///
+/// `jitter` in [0, 1]: 0 puts every point at its cell's centre, 1 anywhere in the cell.
+/// Source: Steven Worley, "A Cellular Texture Basis Function" (1996), with one point per cell.
+pub(in super::super) fn worley(at: &Coords, cells: Cells, metric: Metric, jitter: f32, out: &mut Bands<'_>) {
+    match at.row_v() {
+        Some(v) if cells.u as usize * WIDE <= at.us().len() => {
+            along_row(at.us(), v, cells, metric, jitter, out)
+        }
+        _ => anywhere(at.us(), at.vs(), cells, metric, jitter, out),
+    }
+}
+
+impl Block {
+    /// Texels at (`u`, `v`), each in [0, 1], that have found nothing yet.
+    #[inline(always)]
+    fn new(u: &[f32; LANES], v: &[f32; LANES], cells: Cells) -> Self {
+        let mut b = Self {
+            x: [0.0; LANES],
+            y: [0.0; LANES],
+            i: [0; LANES],
+            j: [0; LANES],
+            f1: [f32::MAX; LANES],
+            f2: [f32::MAX; LANES],
+            id: [0; LANES],
+        };
+        for l in 0..LANES {
+            let (s, t) = cells.at(u[l], v[l]);
+            (b.i[l], b.x[l]) = own(s, cells.u);
+            (b.j[l], b.y[l]) = own(t, cells.v);
+        }
+        b
+    }
+
+    #[inline(always)]
+    fn search_by(&mut self, metric: Metric, around: &impl Around, jitter: f32, second: bool) {
+        match metric {
+            Metric::Euclidean => self.search::<0>(around, jitter, second),
+            Metric::Manhattan => self.search::<1>(around, jitter, second),
+            Metric::Chebyshev => self.search::<2>(around, jitter, second),
+        }
+    }
+}
+
+impl Bands<'_> {
+    #[inline(always)]
+    fn wants_second(&self) -> bool {
+        !self.f2.is_empty() || !self.edge.is_empty()
+    }
+
+    /// Put what the first `n` texels of a block have found.
+    #[inline(always)]
+    fn put(&mut self, b: &Block, first: usize, n: usize) {
+        let (mut edge, mut id) = ([0.0; LANES], [0.0; LANES]);
+        for l in 0..LANES {
+            edge[l] = b.f2[l] - b.f1[l];
+            id[l] = hash::unit(hash::pcg(b.id[l]));
+        }
+        for (band, found) in
+            [(&mut *self.f1, &b.f1), (&mut *self.f2, &b.f2), (&mut *self.edge, &edge), (&mut *self.id, &id)]
+        {
+            if !band.is_empty() {
+                put_lanes(found, &mut band[first..first + n]);
+            }
+        }
+    }
+}
+
+/// As many of the lanes as there is room for.
+#[inline(always)]
+fn put_lanes(from: &[f32; LANES], to: &mut [f32]) {
+    match <&mut [f32; LANES]>::try_from(&mut *to) {
+        Ok(whole) => *whole = *from,
+        Err(_) => to.copy_from_slice(&from[..to.len()]),
+    }
+}
+
 multiversion! {
-    /// Cellular noise of a row of texels at (`us`, `vs`), each in [0, 1].
-    ///
-    /// `jitter` in [0, 1]: 0 puts every point at its cell's centre, 1 anywhere in the cell.
-    /// Source: Steven Worley, "A Cellular Texture Basis Function" (1996), with one point per cell.
-    pub(in super::super) fn worley(
-        us: &[f32], vs: &[f32], cells: Cells, metric: Metric, jitter: f32, out: &mut Bands<'_>,
-    ) {
-        let second = !out.f2.is_empty() || !out.edge.is_empty();
+    fn anywhere(us: &[f32], vs: &[f32], cells: Cells, metric: Metric, jitter: f32, out: &mut Bands<'_>) {
+        let around = Hashed { cells, spread: Spread::new(jitter) };
         for first in (0..us.len()).step_by(LANES) {
             let n = LANES.min(us.len() - first);
-            let (u, v) = (lanes(&us[first..first + n]), lanes(&vs[first..first + n]));
-            let mut b = Block {
-                x: [0.0; LANES], y: [0.0; LANES], i: [0; LANES], j: [0; LANES],
-                f1: [f32::MAX; LANES], f2: [f32::MAX; LANES], id: [0; LANES],
-            };
-            for l in 0..LANES {
-                let (s, t) = cells.at(u[l], v[l]);
-                (b.i[l], b.x[l]) = own(s, cells.u);
-                (b.j[l], b.y[l]) = own(t, cells.v);
+            let mut b = Block::new(&lanes(&us[first..first + n]), &lanes(&vs[first..first + n]), cells);
+            b.search_by(metric, &around, jitter, out.wants_second());
+            out.put(&b, first, n);
+        }
+    }
+}
+
+multiversion! {
+    /// Texels of one `v`: the points that they can see are hashed once.
+    fn along_row(us: &[f32], v: f32, cells: Cells, metric: Metric, jitter: f32, out: &mut Bands<'_>) {
+        let spread = Spread::new(jitter);
+        let (row, y) = own(cells.at(0.0, v).1, cells.v);
+        let points = Points::around(row, cells, spread);
+        for first in (0..us.len()).step_by(LANES) {
+            let n = LANES.min(us.len() - first);
+            let mut b = Block::new(&lanes(&us[first..first + n]), &[v; LANES], cells);
+            let cell = b.i[0];
+            let mut differ = false;
+            for l in 0..LANES { differ |= b.i[l] != cell; }
+            if differ {
+                b.search_by(metric, &Hashed { cells, spread }, jitter, out.wants_second());
+            } else {
+                let around = InCell { points: &points, cell: cell as usize, y, spread };
+                b.search_by(metric, &around, jitter, out.wants_second());
             }
-            match metric {
-                Metric::Euclidean => b.search::<0>(cells, jitter, second),
-                Metric::Manhattan => b.search::<1>(cells, jitter, second),
-                Metric::Chebyshev => b.search::<2>(cells, jitter, second),
-            }
-            if !out.f1.is_empty() { out.f1[first..first + n].copy_from_slice(&b.f1[..n]); }
-            if !out.f2.is_empty() { out.f2[first..first + n].copy_from_slice(&b.f2[..n]); }
-            if !out.edge.is_empty() {
-                for l in 0..n { out.edge[first + l] = b.f2[l] - b.f1[l]; }
-            }
-            if !out.id.is_empty() {
-                for l in 0..n { out.id[first + l] = hash::unit(hash::pcg(b.id[l])); }
-            }
+            out.put(&b, first, n);
         }
     }
 }
