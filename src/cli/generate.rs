@@ -1,12 +1,11 @@
 //! `generate`: presets to texture sets.
 
-use std::collections::BTreeMap;
+mod set;
+
 use std::io::Write as _;
 use std::path::Path;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Mutex, PoisonError};
-use std::time::Instant;
 
+use self::set::{Evaluated, Made, Maker, Set};
 use super::args::{self, CompressArg, ExrCompressArg, Format, Generate, MapsArg, NormalArg};
 use super::exit::{Exit, Failure};
 use super::load::Preset;
@@ -16,14 +15,9 @@ use super::trace::{self, Recorder, Stats};
 use super::{memory, render, signal};
 use crate::base::watch::Watch;
 use crate::base::{Domain, MapKind};
-use crate::eval::{self, Control, MapRows, Stopped};
-use crate::graph::{self, Graph};
-use crate::io::{
-    ExrCompression, IoError, ManifestEntry, MapHead, Output, Parts, PngCompression, SetWriter, Staged,
-    WriteOptions,
-};
-use crate::maps::{MapImage, NormalFormat, SetId};
-use crate::plan::{Plan, PlanError, Slabs};
+use crate::graph::Graph;
+use crate::io::{ExrCompression, Output, PngCompression, WriteOptions};
+use crate::plan::{Order, Plan, PlanError, Shelf, Slabs};
 
 /// Make every set. All presets are read, checked and planned before the first file is written.
 pub(super) fn run(args: &Generate) -> Result<Exit, Failure> {
@@ -34,39 +28,71 @@ pub(super) fn run(args: &Generate) -> Result<Exit, Failure> {
     // Plans count what each thread of the pool works in.
     let jobs = pool.install(|| prepare(args, &options, budget))?;
     let count = args.seeds.as_ref().map_or(1, |s| s.0.end - s.0.start).saturating_mul(jobs.len() as u64);
-    let stop = signal::stop_flag();
     let progress = Progress::new(args.quiet);
     let recorder = (args.stats || args.trace.is_some()).then(Recorder::new);
+    let watch = recorder.as_ref().map(|recorder| recorder as &dyn Watch);
+    let maker = Maker { args, options: &options, stop: signal::stop_flag(), progress: &progress, watch };
     let mut times = Vec::new();
-    let mut number = 0;
-    for job in &jobs {
-        let seeds = match &args.seeds {
-            Some(seeds) => seeds.0.clone(),
-            None => job.graph.seed..job.graph.seed.saturating_add(1),
-        };
-        let watch = recorder.as_ref().map(|recorder| recorder as &dyn Watch);
-        let shared =
-            Shared { args, options: &options, wanted: &job.wanted, budget, stop, progress: &progress, watch };
-        for seed in seeds {
+    pool.in_place_scope(|scope| -> Result<(), Failure> {
+        let mut sets = sets(args, &jobs).peekable();
+        let mut shelf = Shelf::default();
+        // The set before, as long as its last maps are encoded.
+        let mut last: Option<Evaluated<'_>> = None;
+        let mut number = 0;
+        while let Some(set) = sets.next() {
             number += 1;
-            let graph = job.graph.clone().with_seed(seed);
-            let name = &graph.name;
+            let name = set.graph.name.clone();
+            let planned = || plan_set(&options, set.order(), sets.peek().map(Set::order), &shelf, budget);
+            let (plan, slabs, kept) = pool.install(planned)?;
+            let fits = |last: &Evaluated<'_>| {
+                budget.is_none_or(|budget| last.plan.peak_bytes.saturating_add(plan.peak_bytes) <= budget)
+            };
+            if let Some(last) = last.take_if(|last| !fits(last)) {
+                tell(args, &progress, &last.finish(&pool, maker.stop)?, None)?;
+            }
             progress.start(if count > 1 { format!("{number}/{count} {name}") } else { name.clone() });
             let begin = watch.map_or(0, |watch| watch.begin());
-            let made = pool.install(|| shared.set(&graph))?;
-            let set = recorder.as_ref().map(|r| r.set(format!("{name} seed {seed}"), begin));
-            let stats = set.as_ref().filter(|_| args.stats).map(|set| set.stats(&made.plan, &made.files));
-            // Of a long run only a trace wants every piece.
-            times.extend(set.filter(|_| args.trace.is_some()));
-            if args.json || !args.quiet {
-                progress.suspend(|| report(args, &made, stats.as_ref()))?;
+            let next = pool.install(|| maker.evaluate(&set, plan, slabs.as_ref(), scope));
+            if let Some(last) = last.take() {
+                tell(args, &progress, &last.finish(&pool, maker.stop)?, None)?;
             }
+            shelf = kept;
+            let next = next?;
+            let Some(recorder) = &recorder else {
+                last = Some(next);
+                continue;
+            };
+            // A set that is timed is made alone.
+            let made = next.finish(&pool, maker.stop)?;
+            let set = recorder.set(format!("{name} seed {}", set.graph.seed), begin);
+            let stats = args.stats.then(|| set.stats(&made.plan, &made.files));
+            tell(args, &progress, &made, stats.as_ref())?;
+            // Of a long run only a trace wants every piece.
+            times.extend(args.trace.is_some().then_some(set));
         }
-    }
+        last.map_or(Ok(()), |last| tell(args, &progress, &last.finish(&pool, maker.stop)?, None))
+    })?;
     if let Some(path) = &args.trace {
         trace::write(path, &times)?;
     }
     Ok(Exit::Done)
+}
+
+/// Every set in turn: all presets of one individual, then of the next, since those have more in common.
+fn sets<'a>(args: &'a Generate, jobs: &'a [Job]) -> impl Iterator<Item = Set<'a>> {
+    let seeds = args.seeds.as_ref().map_or(0..1, |seeds| seeds.0.clone());
+    let own = args.seeds.is_none();
+    seeds.flat_map(move |seed| {
+        jobs.iter().map(move |job| Set::new(args, job, if own { job.graph.seed } else { seed }))
+    })
+}
+
+/// Report a set that is made.
+fn tell(args: &Generate, progress: &Progress, made: &Made, stats: Option<&Stats>) -> Result<(), Failure> {
+    if args.json || !args.quiet {
+        progress.suspend(|| report(args, made, stats))?;
+    }
+    Ok(())
 }
 
 /// A preset that can be made.
@@ -122,26 +148,23 @@ fn prepare_one(
         return Err(Failure::usage(message, "add a section [maps], such as color = \"some_node\""));
     }
     let domain = args.size.domain(graph.girth_mm, graph.length_mm);
-    plan_set(options, &graph, &wanted, domain, budget)?;
+    plan_set(options, Order { graph: &graph, wanted: &wanted, domain }, None, &Shelf::default(), budget)?;
     Ok(Job { graph, wanted })
 }
 
-/// Plan a set: slab by slab where its planes do not fit and its files can take rows as they come.
+/// Plan a set of a series: slab by slab where its planes do not fit and its files can take rows as they come.
 fn plan_set(
     options: &WriteOptions,
-    graph: &Graph,
-    wanted: &[MapKind],
-    domain: Domain,
+    order: Order<'_>,
+    next: Option<Order<'_>>,
+    before: &Shelf,
     budget: Option<u64>,
-) -> Result<(Plan, Option<Slabs>), Failure> {
-    if options.outputs == [Output::Png].into() {
-        let again = options.png.most_strip_rows(domain.width);
-        return Plan::in_slabs(graph, wanted, domain, budget, again)
-            .map_err(|error| refused(graph, domain, error, SMALLER));
-    }
-    let plan = Plan::new(graph, wanted, domain, budget)
-        .map_err(|error| refused(graph, domain, error, OTHER_FORMAT))?;
-    Ok((plan, None))
+) -> Result<(Plan, Option<Slabs>, Shelf), Failure> {
+    let slabs = options.outputs == [Output::Png].into();
+    let again = slabs.then(|| options.png.most_strip_rows(order.domain.width));
+    let help = if slabs { SMALLER } else { OTHER_FORMAT };
+    Plan::in_series(order, next, before, budget, again)
+        .map_err(|error| refused(order.graph, order.domain, error, help))
 }
 
 /// Plan, with the refusal as a message.
@@ -215,223 +238,6 @@ pub(super) fn pool(threads: Option<u16>) -> Result<rayon::ThreadPool, Failure> {
         .num_threads(threads.map_or(0, usize::from))
         .build()
         .map_err(|e| Failure::usage(format!("no threads can be started: {e}"), "choose fewer --threads"))
-}
-
-/// What every set of a run shares.
-struct Shared<'a> {
-    args: &'a Generate,
-    options: &'a WriteOptions,
-    wanted: &'a [MapKind],
-    budget: Option<u64>,
-    stop: &'a AtomicBool,
-    progress: &'a Progress,
-    watch: Option<&'a dyn Watch>,
-}
-
-/// A set that is written.
-struct Made {
-    set: SetId,
-    files: Vec<ManifestEntry>,
-    plan: Plan,
-    evaluate_ms: f64,
-    write_ms: f64,
-}
-
-impl Shared<'_> {
-    fn set(&self, graph: &Graph) -> Result<Made, Failure> {
-        let domain = self.args.size.domain(graph.girth_mm, graph.length_mm);
-        let (plan, slabs) = plan_set(self.options, graph, self.wanted, domain, self.budget)?;
-        let id = SetId {
-            domain,
-            preset: graph.name.clone(),
-            seed: graph.seed,
-            preset_hash: graph::preset_hash(graph),
-            optics: graph.optics,
-        };
-        // Names and directory are refused before the work is done.
-        let writer =
-            SetWriter::new(&self.args.output, id.clone(), self.wanted.iter().copied(), self.options)?
-                .watched_by(self.watch);
-        let start = Instant::now();
-        let (staged, evaluate_ms) = match &slabs {
-            None => self.whole(&plan, &writer)?,
-            Some(slabs) => self.slabs(&plan, slabs, &writer)?,
-        };
-        if self.stop.load(Ordering::Relaxed) {
-            return Err(interrupted());
-        }
-        let files = writer.finish(staged)?;
-        Ok(Made { set: id, files, plan, evaluate_ms, write_ms: ms(start) - evaluate_ms })
-    }
-
-    /// Every map whole: it is encoded and written while the next one is computed, and its planes are given back then.
-    fn whole(&self, plan: &Plan, writer: &SetWriter<'_>) -> Result<(Vec<Staged>, f64), Failure> {
-        let start = Instant::now();
-        let show = |share: f32, step: &str| self.progress.evaluated(share, step);
-        let control = Control { cancel: Some(self.stop), progress: Some(&show), watch: self.watch };
-        let written = Written { shared: self, writer, count: self.files(), done: Mutex::default() };
-        let evaluate_ms = rayon::in_place_scope(|scope| {
-            let ready = |kind, planes| {
-                for (i, image) in
-                    with_normals(MapImage::of(kind, planes), self.args.normal).into_iter().enumerate()
-                {
-                    let written = &written;
-                    scope.spawn(move |_| written.write((kind, i), image));
-                }
-            };
-            eval::run_each(plan, control, ready).map(|()| ms(start)).map_err(|_| interrupted())
-        })?;
-        Ok((written.finish()?, evaluate_ms))
-    }
-
-    /// All maps together, some hundred rows at a time, straight into their files; what is evaluated and what is written takes
-    /// turns, so the time of both is told as one.
-    fn slabs(
-        &self,
-        plan: &Plan,
-        slabs: &Slabs,
-        writer: &SetWriter<'_>,
-    ) -> Result<(Vec<Staged>, f64), Failure> {
-        let start = Instant::now();
-        let show = |share: f32, step: &str| self.progress.evaluated(share, step);
-        let control = Control { cancel: Some(self.stop), progress: Some(&show), watch: self.watch };
-        let heads: Vec<MapHead> =
-            plan.maps.iter().flat_map(|(&kind, map)| self.heads(kind, map.range)).collect();
-        let mut parts = Parts::new(writer, &heads, [plan.domain.width, plan.domain.height])?;
-        let ready = |maps: &BTreeMap<MapKind, MapRows<'_>>, end: usize| -> Result<_, IoError> {
-            let wanted = parts.rows(|kind| maps[&kind].lanes.clone(), end)?;
-            // Of two files of one map the one that lags tells what must be kept.
-            let mut least = BTreeMap::new();
-            for (kind, row) in wanted {
-                let kept = least.entry(kind).or_insert(row);
-                *kept = row.min(*kept);
-            }
-            Ok(least)
-        };
-        eval::run_slabs(plan, slabs, control, ready).map_err(|stopped| match stopped {
-            Stopped::Cancelled(_) => interrupted(),
-            Stopped::By(error) => Failure::from(error),
-        })?;
-        let evaluate_ms = ms(start);
-        let staged = parts.finish()?;
-        for file in &staged {
-            self.progress.written(&file.entry().file, self.files());
-            if let ([map], Some(extremes)) = (&file.entry().maps[..], file.extremes())
-                && map.normal_format != Some(NormalFormat::Dx)
-            {
-                self.warn_of_clipping(map.map, map.range, extremes);
-            }
-        }
-        Ok((staged, evaluate_ms))
-    }
-
-    /// The files of a map: of normals those asked for.
-    fn heads(&self, kind: MapKind, range: [f32; 2]) -> Vec<MapHead> {
-        let head = |normal_format| MapHead { kind, range, normal_format };
-        match self.args.normal {
-            _ if kind != MapKind::Normal => vec![head(None)],
-            NormalArg::Gl => vec![head(Some(NormalFormat::Gl))],
-            NormalArg::Dx => vec![head(Some(NormalFormat::Dx))],
-            NormalArg::Both => [NormalFormat::Gl, NormalFormat::Dx].map(|f| head(Some(f))).to_vec(),
-        }
-    }
-
-    /// Files of a set, but for one of all maps.
-    fn files(&self) -> usize {
-        let both = self.args.normal == NormalArg::Both && self.wanted.contains(&MapKind::Normal);
-        (self.wanted.len() + usize::from(both)) * self.options.outputs.len()
-    }
-
-    /// Integers hold the map's range only: tell what lies outside of it.
-    fn warn_of_clipping(&self, kind: MapKind, [low, high]: [f32; 2], [least, most]: [f32; 2]) {
-        // Filters ring and rounding is rounding: a step of 8 bits is nothing to tell.
-        let slack = (high - low) / 256.0;
-        if kind != MapKind::ScaleId && (least < low - slack || most > high + slack) {
-            let unit = if kind.unit().is_empty() { String::new() } else { format!(" {}", kind.unit()) };
-            let message = format!(
-                "{kind} goes from {least:.4} to {most:.4}{unit}, beyond its range {low} to {high}{unit}: it is cut off"
-            );
-            let help = format!("set [maps] {kind} = {{ from = \"…\", range = [low, high] }}");
-            self.progress.suspend(|| render::warning(&message, &help));
-        }
-    }
-}
-
-/// A map of a set: its kind, and which of its forms.
-type Place = (MapKind, usize);
-
-/// The files of a set, as its maps become ready.
-struct Written<'a> {
-    shared: &'a Shared<'a>,
-    writer: &'a SetWriter<'a>,
-    count: usize,
-    done: Mutex<BTreeMap<Place, Result<Done, Failure>>>,
-}
-
-/// A map that is written aside.
-struct Done {
-    files: Vec<Staged>,
-    /// Kept where a file of all maps is still to be written.
-    image: Option<MapImage>,
-}
-
-impl Written<'_> {
-    fn write(&self, place: Place, image: MapImage) {
-        let done = self.write_one(place, image);
-        self.done.lock().unwrap_or_else(PoisonError::into_inner).insert(place, done);
-    }
-
-    fn write_one(&self, (_, form): Place, image: MapImage) -> Result<Done, Failure> {
-        let shared = self.shared;
-        if shared.stop.load(Ordering::Relaxed) {
-            return Err(interrupted());
-        }
-        let files = self.writer.write_map(&image)?;
-        for file in &files {
-            shared.progress.written(&file.entry().file, self.count);
-        }
-        // Both normals say the same, and layers have one normal map: the first.
-        if let (0, Some(extremes)) = (form, files.iter().find_map(Staged::extremes)) {
-            shared.warn_of_clipping(image.kind, image.range, extremes);
-        }
-        let layered = form == 0 && shared.options.outputs.contains(&Output::ExrLayers);
-        Ok(Done { files, image: layered.then_some(image) })
-    }
-
-    /// All files, and the one of all maps; the first error in the order of the maps.
-    fn finish(self) -> Result<Vec<Staged>, Failure> {
-        let (mut files, mut images) = (Vec::new(), Vec::new());
-        for done in self.done.into_inner().unwrap_or_else(PoisonError::into_inner).into_values() {
-            let done = done?;
-            files.extend(done.files);
-            images.extend(done.image);
-        }
-        let layers: Vec<&MapImage> = images.iter().collect();
-        files.extend(self.writer.write_layers(&layers)?);
-        Ok(files)
-    }
-}
-
-/// The forms of a map that are written: of normals those asked for.
-fn with_normals(map: MapImage, normal: NormalArg) -> Vec<MapImage> {
-    match normal {
-        _ if map.kind != MapKind::Normal => vec![map],
-        NormalArg::Gl => vec![map],
-        NormalArg::Dx => vec![map.to_normal_format(NormalFormat::Dx)],
-        NormalArg::Both => vec![map.clone(), map.to_normal_format(NormalFormat::Dx)],
-    }
-}
-
-fn interrupted() -> Failure {
-    Failure::Message {
-        exit: Exit::Interrupted,
-        message: "stopped; the set at work was not written".into(),
-        help: None,
-    }
-}
-
-fn ms(start: Instant) -> f64 {
-    (start.elapsed().as_secs_f64() * 1e6).round() / 1e3
 }
 
 fn report(args: &Generate, made: &Made, stats: Option<&Stats>) -> Result<(), Failure> {

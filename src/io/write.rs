@@ -83,7 +83,7 @@ impl Staged {
 /// Writes the maps of one set as they become ready, from any thread.
 ///
 /// Nothing appears under its name before [`SetWriter::finish`]; dropped before it, nothing is left.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct SetWriter<'a> {
     pub(super) dir: PathBuf,
     set: SetId,

@@ -178,7 +178,7 @@ impl Lowering<'_> {
         }
         self.known.insert(key, index);
         self.steps.push(Step {
-            node_index: index,
+            node_index: Some(index),
             name: graph_node.name.clone(),
             node: graph_node.node.clone(),
             seed: graph_node.seed,
@@ -232,7 +232,7 @@ impl Lowering<'_> {
 }
 
 /// Folding and merging can leave steps that nobody reads any more: walk back once and drop them.
-fn drop_unread(steps: Vec<Step>, maps: BTreeMap<MapKind, MapPlan>, lanes: usize) -> Lowered {
+pub(super) fn drop_unread(steps: Vec<Step>, maps: BTreeMap<MapKind, MapPlan>, lanes: usize) -> Lowered {
     let mut read = vec![false; lanes];
     let mark = |read: &mut Vec<bool>, sources: &[LaneSource]| {
         for source in sources {

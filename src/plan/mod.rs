@@ -3,13 +3,16 @@
 //! From a [`Graph`], the wanted maps and a [`Domain`]:
 //! 1. live: walk back from the wanted maps; what is not reached is never planned. Forwarding nodes
 //!    (`switch`) vanish, equal sub-graphs are planned once, constant sub-graphs fold to a number.
-//! 2. stages: steps that can share a pass over bands of rows run in one stage; values that live only
+//! 2. shared: of sets in a row, what the next one computes, too, is kept for it ([`Plan::in_series`]).
+//! 3. stages: steps that can share a pass over bands of rows run in one stage; values that live only
 //!    inside it stay in scratch that fits the cache and never become planes.
 
 mod lower;
+mod share;
 mod slab;
 mod stage;
 
+pub use share::Shelf;
 pub use slab::Slabs;
 
 use std::collections::BTreeMap;
@@ -57,8 +60,8 @@ pub struct Pass {
 /// One live node.
 #[derive(Clone, Debug)]
 pub struct Step {
-    /// Index of the node in the graph.
-    pub node_index: usize,
+    /// Index of the node in the graph; `None` of a step that keeps a lane for the next set, or shows one.
+    pub node_index: Option<usize>,
     /// The node's name.
     pub name: String,
     /// Operation and settings.
@@ -171,6 +174,38 @@ fn mib(bytes: u64) -> String {
     format!("{:.0} MiB", bytes as f64 / f64::from(1 << 20))
 }
 
+/// What is to be planned.
+#[derive(Clone, Copy, Debug)]
+pub struct Order<'a> {
+    /// What defines the maps.
+    pub graph: &'a Graph,
+    /// The maps.
+    pub wanted: &'a [MapKind],
+    /// Their grid.
+    pub domain: Domain,
+}
+
+impl Order<'_> {
+    /// Its live steps, if it can be made.
+    fn lowered(&self) -> Result<lower::Lowered, PlanError> {
+        let Domain { width, height, .. } = self.domain;
+        let max = crate::base::domain::MAX_SIDE;
+        if width == 0 || height == 0 || width > max || height > max {
+            return Err(PlanError::Size { width, height, max });
+        }
+        let Graph { name, maps, .. } = self.graph;
+        if let Some(&map) = self.wanted.iter().find(|map| !maps.contains_key(map)) {
+            let has: Vec<&str> = maps.keys().map(|m| m.name()).collect();
+            return Err(PlanError::NoSuchMap { preset: name.clone(), map, has: has.join(", ") });
+        }
+        Ok(lower::lower(self.graph, self.wanted, &self.domain))
+    }
+
+    fn staged(&self, lowered: lower::Lowered) -> Plan {
+        stage::stage(lowered, self.domain, self.graph.assets.clone())
+    }
+}
+
 impl Plan {
     /// Plan the wanted maps; `budget` is in bytes.
     ///
@@ -182,24 +217,9 @@ impl Plan {
         domain: Domain,
         budget: Option<u64>,
     ) -> Result<Self, PlanError> {
-        let max = crate::base::domain::MAX_SIDE;
-        if domain.width == 0 || domain.height == 0 || domain.width > max || domain.height > max {
-            return Err(PlanError::Size { width: domain.width, height: domain.height, max });
-        }
-        for &map in wanted {
-            if !graph.maps.contains_key(&map) {
-                let has: Vec<&str> = graph.maps.keys().map(|m| m.name()).collect();
-                return Err(PlanError::NoSuchMap { preset: graph.name.clone(), map, has: has.join(", ") });
-            }
-        }
-        let lowered = lower::lower(graph, wanted, &domain);
-        let plan = stage::stage(lowered, domain, graph.assets.clone());
-        match budget {
-            Some(budget) if plan.peak_bytes > budget => {
-                Err(PlanError::Memory { need: plan.peak_bytes, budget })
-            }
-            _ => Ok(plan),
-        }
+        let order = Order { graph, wanted, domain };
+        let (plan, _) = order.staged(order.lowered()?).fit(budget, None)?;
+        Ok(plan)
     }
 
     /// Plan the wanted maps, all at once if that takes little, else slab by slab, for a caller who can take rows as they come
@@ -214,18 +234,65 @@ impl Plan {
         budget: Option<u64>,
         again: usize,
     ) -> Result<(Self, Option<Slabs>), PlanError> {
-        let mut plan = Self::new(graph, wanted, domain, None)?;
+        let order = Order { graph, wanted, domain };
+        order.staged(order.lowered()?).fit(budget, Some(again))
+    }
+
+    /// Plan a set of a series: what `before` has kept of the set before is not evaluated again, and what the `next` one
+    /// evaluates, too, is kept for it, where that pays and fits. Plans must run in the order that they are made in.
+    ///
+    /// `again` as in [`Plan::in_slabs`], `None` for a caller who wants whole maps. The peak counts what is kept.
+    ///
+    /// # Errors
+    /// As [`Plan::in_slabs`], for `order` alone: sharing is left out before a plan is refused.
+    pub fn in_series(
+        order: Order<'_>,
+        next: Option<Order<'_>>,
+        before: &Shelf,
+        budget: Option<u64>,
+        again: Option<usize>,
+    ) -> Result<(Self, Option<Slabs>, Shelf), PlanError> {
+        let domain = &order.domain;
+        let next = next.filter(|next| next.domain == *domain);
+        for (takes, keeps) in [(true, true), (true, false)] {
+            let taken = if takes && !before.is_empty() { before.clone() } else { Shelf::default() };
+            let mut lowered = order.lowered()?;
+            let mut shelf = Shelf::default();
+            if !taken.is_empty() || next.is_some() {
+                let of = share::contents(&lowered, domain);
+                lowered = share::take(lowered, &taken, &of);
+                if let (true, Some(Ok(next))) = (keeps, next.map(|next| next.lowered())) {
+                    let of_next = share::contents(&next, domain);
+                    shelf = share::keep(&mut lowered, &of, &next, &of_next, &taken, domain);
+                }
+            }
+            let beside = taken.bytes_with(&shelf, domain);
+            let left = budget.map(|budget| budget.saturating_sub(beside));
+            if let Ok((mut plan, slabs)) = order.staged(lowered).fit(left, again) {
+                plan.peak_bytes += beside;
+                return Ok((plan, slabs, shelf));
+            }
+        }
+        let (plan, slabs) = order.staged(order.lowered()?).fit(budget, again)?;
+        Ok((plan, slabs, Shelf::default()))
+    }
+
+    /// How it runs within a budget, slab by slab for a caller who can take rows as they come.
+    fn fit(mut self, budget: Option<u64>, again: Option<usize>) -> Result<(Self, Option<Slabs>), PlanError> {
         let budget = budget.unwrap_or(u64::MAX);
         let little = AT_ONCE.min(budget);
-        if plan.peak_bytes <= little {
-            return Ok((plan, None));
-        }
-        match slab::slabs(&plan, little, again).or_else(|_| slab::slabs(&plan, budget, again)) {
+        let Some(again) = again.filter(|_| self.peak_bytes > little) else {
+            return match self.peak_bytes {
+                need if need > budget => Err(PlanError::Memory { need, budget }),
+                _ => Ok((self, None)),
+            };
+        };
+        match slab::slabs(&self, little, again).or_else(|_| slab::slabs(&self, budget, again)) {
             Ok((slabs, bytes)) => {
-                plan.peak_bytes = bytes;
-                Ok((plan, Some(slabs)))
+                self.peak_bytes = bytes;
+                Ok((self, Some(slabs)))
             }
-            Err(_) if plan.peak_bytes <= budget => Ok((plan, None)),
+            Err(_) if self.peak_bytes <= budget => Ok((self, None)),
             Err(need) => Err(PlanError::Memory { need, budget }),
         }
     }

@@ -18,6 +18,7 @@ mod registration;
 mod render;
 mod report;
 mod resolution;
+mod series;
 mod slabs;
 mod species;
 mod tiling;

@@ -11,7 +11,7 @@ use std::process::Command;
 use ophidian::base::{Domain, MapKind};
 use ophidian::eval::{Control, MapRows, run, run_slabs};
 use ophidian::graph::Graph;
-use ophidian::plan::Plan;
+use ophidian::plan::{Order, Plan, Shelf};
 use ophidian::preset::Document;
 
 use crate::made;
@@ -86,6 +86,26 @@ fn measure_slabs() {
     println!("took {} planned {}", status("VmHWM") - before, plan.peak_bytes);
 }
 
+/// Two sets in a row that differ in a colour: the second one reads what the first one has kept.
+#[test]
+#[ignore = "run by the test below, alone in its process"]
+fn measure_series() {
+    let graphs = [&[][..], &["color.base=\"#80A0FF\""]].map(|s| made::graph("lampropeltis_triangulum", s));
+    let domain = made::domain(&graphs[0], 1536);
+    let [first, second] = [0, 1].map(|k| Order { graph: &graphs[k], wanted: &MapKind::FIVE, domain });
+    rayon::broadcast(|_| ());
+    std::fs::write("/proc/self/clear_refs", "5").expect("a process may reset its own");
+    let before = status("VmRSS");
+    let series = Plan::in_series(first, Some(second), &Shelf::default(), None, None);
+    let (plan, _, shelf) = series.expect("a plan");
+    drop(run(&plan, Control::default()).expect("nobody cancels"));
+    let alone = plan.peak_bytes;
+    drop(plan);
+    let (plan, ..) = Plan::in_series(second, None, &shelf, None, None).expect("a plan");
+    drop(run(&plan, Control::default()).expect("nobody cancels"));
+    println!("took {} planned {}", status("VmHWM") - before, plan.peak_bytes.max(alone));
+}
+
 /// Bytes taken and planned, as a test of this binary tells them alone in a process.
 fn measured(test: &str, case: &str) -> (f64, f64) {
     let output = Command::new(std::env::current_exe().expect("a path"))
@@ -111,5 +131,11 @@ fn the_planned_peak_is_within_a_tenth_of_the_measured_one() {
 #[test]
 fn the_planned_peak_of_slabs_is_within_a_tenth_of_the_measured_one() {
     let (took, planned) = measured("memory::measure_slabs", "");
+    assert!((planned / took - 1.0).abs() < 0.1, "took {took}, planned {planned}");
+}
+
+#[test]
+fn the_planned_peak_of_a_series_is_within_a_tenth_of_the_measured_one() {
+    let (took, planned) = measured("memory::measure_series", "");
     assert!((planned / took - 1.0).abs() < 0.1, "took {took}, planned {planned}");
 }

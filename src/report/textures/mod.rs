@@ -125,8 +125,8 @@ impl Subject<'_> {
         // Nodes of one kind and the same settings are one approximation.
         let mut kinds: BTreeMap<(&str, String), Vec<usize>> = BTreeMap::new();
         for step in &ours.plan.steps {
-            if let Some(finer) = finer::of(&step.node) {
-                kinds.entry((step.node.spec().name, finer.shortcut)).or_default().push(step.node_index);
+            if let (Some(finer), Some(index)) = (finer::of(&step.node), step.node_index) {
+                kinds.entry((step.node.spec().name, finer.shortcut)).or_default().push(index);
             }
         }
         let mut rows = Vec::new();
