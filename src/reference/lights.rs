@@ -3,12 +3,15 @@
 use glam::Vec3;
 
 use crate::base::LinearRgb;
+use crate::scene::light::rectangle::Rectangle;
 use crate::scene::{EnvironmentSampler, Light, Scene};
 
 /// The lights of a scene with the chance that each is asked.
 pub(super) struct Lights<'a> {
     scene: &'a Scene,
     environment: Option<EnvironmentSampler>,
+    /// Of each light that is one and has an area.
+    rectangles: Vec<Option<Rectangle>>,
     /// Chance of the environment, then of each light; they sum to 1 where there is any.
     chances: Vec<f32>,
 }
@@ -64,7 +67,12 @@ impl<'a> Lights<'a> {
                 *chance = 0.5 * *chance / total + 0.5 / shining as f32;
             }
         }
-        Self { scene, environment, chances }
+        let rectangle = |light: &Light| match *light {
+            Light::Directional { .. } => None,
+            Light::Area { center, u, v, .. } => Rectangle::new(center, u, v),
+        };
+        let rectangles = scene.lights.iter().map(rectangle).collect();
+        Self { scene, environment, rectangles, chances }
     }
 
     /// A direction to some light from `place`; `pick` chooses which.
@@ -95,7 +103,10 @@ impl<'a> Lights<'a> {
                 environment: true,
             });
         }
-        let s = self.scene.lights[index - 1].sample(place, u)?;
+        let s = match (&self.scene.lights[index - 1], &self.rectangles[index - 1]) {
+            (Light::Area { radiance, .. }, Some(rectangle)) => rectangle.sample(place, *radiance, u)?,
+            (light, _) => light.sample(place, u)?,
+        };
         Some(Sample {
             direction: s.direction,
             distance: s.distance,

@@ -6,7 +6,7 @@ use glam::Vec3;
 use super::bvh::{Bvh, Hit, Stack};
 use super::film::Pixel;
 use super::lights::{Found, Lights};
-use super::sampler::Sampler;
+use super::sampler::Samplers;
 use super::settings::{Settings, Technique};
 use super::skin::Skins;
 use super::surface::{Point, Vertex, lift};
@@ -36,7 +36,7 @@ pub(super) struct World<'a> {
 pub(super) struct Walk<'a, S> {
     /// Lanes.
     pub(super) simd: S,
-    pub(super) sampler: Sampler,
+    pub(super) sampler: Samplers<1>,
     pub(super) stack: &'a mut Stack,
 }
 
@@ -102,7 +102,7 @@ impl World<'_> {
             let view = self.skins.view(&point, channels, frame.to_local(-direction).to_array(), parts);
 
             if technique.asks() {
-                let u = sampler.next();
+                let [u] = sampler.next();
                 if let Some(light) = self.lights.sample(point.position, [u[0], u[1]], u[2]) {
                     let wi = frame.to_local(light.direction).to_array();
                     let outside = point.normal.dot(light.direction) > 0.0;
@@ -131,7 +131,7 @@ impl World<'_> {
                 }
             }
 
-            let u = sampler.next();
+            let [u] = sampler.next();
             let Some(sample) = view.sample([u[0], u[1], u[2]]) else { return radiance };
             direction = frame.to_world(Vec3::from_array(sample.wi));
             if point.normal.dot(direction) <= 0.0 {

@@ -11,7 +11,7 @@ use super::bvh::Bvh;
 use super::film::{Film, Pixel};
 use super::lights::Lights;
 use super::path::{Channels, Walk, World};
-use super::sampler::Sampler;
+use super::sampler::Samplers;
 use super::settings::{Settings, Transport};
 use super::silhouette;
 use super::skin::Skins;
@@ -258,25 +258,20 @@ impl Tile {
             let mut first = samples.start;
             while first < samples.end {
                 let count = (samples.end - first).min(TOGETHER as u32);
-                let mut samplers = [Sampler::new(kind, seed, place.map(|p| p as u32), first); TOGETHER];
-                let (mut x, mut y) = ([0.0; TOGETHER], [0.0; TOGETHER]);
-                let (mut lenses, mut colors) = ([[0.5; 2]; TOGETHER], [0.0; TOGETHER]);
+                let mut indices = [0; TOGETHER];
                 for lane in 0..TOGETHER {
                     // The last one again, where there are no more.
-                    let index = first + (lane as u32).min(count - 1);
-                    let sampler = &mut samplers[lane];
-                    *sampler = Sampler::new(kind, seed, place.map(|p| p as u32), index);
-                    let u = sampler.next();
-                    (x[lane], y[lane], colors[lane]) = (u[0], u[1], u[2]);
-                    // A pinhole leaves a number over for the wavelengths; a lens wants two of its own.
-                    if eye.aperture > 0.0 {
-                        let u = sampler.next();
-                        lenses[lane] = [u[0], u[1]];
-                    }
+                    indices[lane] = first + (lane as u32).min(count - 1);
                 }
+                let mut samplers = Samplers::new(kind, seed, place.map(|p| p as u32), indices);
+                let u = samplers.next();
+                // A pinhole leaves a number over for the wavelengths; a lens wants two of its own.
+                let lens = if eye.aperture > 0.0 { samplers.next() } else { [[0.5; 4]; TOGETHER] };
+                let (mut x, mut y, mut lenses) = ([0.0; TOGETHER], [0.0; TOGETHER], [[0.5; 2]; TOGETHER]);
                 for lane in 0..TOGETHER {
-                    x[lane] = (place[0] as f32 + x[lane]) / width as f32;
-                    y[lane] = (place[1] as f32 + y[lane]) / height as f32;
+                    x[lane] = (place[0] as f32 + u[lane][0]) / width as f32;
+                    y[lane] = (place[1] as f32 + u[lane][1]) / height as f32;
+                    lenses[lane] = [lens[lane][0], lens[lane][1]];
                 }
                 let [origins, directions] = eye.rays(&x, &y, &lenses);
                 let met = world.first(simd, &mut stack, &origins, &directions, objects);
@@ -284,9 +279,9 @@ impl Tile {
                     let rgb = match met[lane] {
                         Err(rgb) => rgb,
                         Ok(hit) => {
-                            let channels = channels(colors[lane]);
+                            let channels = channels(u[lane][2]);
                             let channels = channels.borrow();
-                            let mut walk = Walk { simd, sampler: samplers[lane], stack: &mut stack };
+                            let mut walk = Walk { simd, sampler: samplers.one(lane), stack: &mut stack };
                             let direction = directions[lane];
                             channels.rgb(world.radiance(&mut walk, hit, direction, channels, &mut pixel))
                         }

@@ -24,36 +24,58 @@ impl SamplerKind {
     }
 }
 
-/// The random numbers of one sample of one pixel: a pure function of seed, pixel and index.
+/// The random numbers of L samples of one pixel, side by side: each a pure function of seed, pixel and index.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Sampler {
+pub(super) struct Samplers<const L: usize> {
     kind: SamplerKind,
     /// Of the pixel.
-    seed: u32,
-    /// Which sample.
-    index: u32,
+    seeds: [u32; L],
+    /// Which samples.
+    indices: [u32; L],
     /// How many sets of four have been given.
     set: u32,
 }
 
-impl Sampler {
-    /// For a sample of a pixel.
+impl<const L: usize> Samplers<L> {
+    /// For samples of a pixel.
     #[inline(always)]
-    pub(super) fn new(kind: SamplerKind, seed: u32, pixel: [u32; 2], index: u32) -> Self {
-        // The sequence has 2^16 points; further ones are those of another scrambling.
-        let seed = hash::hash1(hash::hash2(seed, pixel[0], pixel[1]), index >> 16);
-        Self { kind, seed, index: index & 0xffff, set: 0 }
+    pub(super) fn new(kind: SamplerKind, seed: u32, pixel: [u32; 2], mut indices: [u32; L]) -> Self {
+        let seed = hash::hash2(seed, pixel[0], pixel[1]);
+        let mut seeds = [0; L];
+        for lane in 0..L {
+            // The sequence has 2^16 points; further ones are those of another scrambling.
+            seeds[lane] = hash::hash1(seed, indices[lane] >> 16);
+            indices[lane] &= 0xffff;
+        }
+        Self { kind, seeds, indices, set: 0 }
     }
 
-    /// Four numbers in [0, 1), stratified among the samples of the pixel.
+    /// One of them, alone from here on.
     #[inline(always)]
-    pub(super) fn next(&mut self) -> [f32; 4] {
-        let set = hash::hash1(self.seed, self.set);
+    pub(super) fn one(&self, lane: usize) -> Samplers<1> {
+        let Self { kind, seeds, indices, set } = *self;
+        Samplers { kind, seeds: [seeds[lane]], indices: [indices[lane]], set }
+    }
+
+    /// Four numbers in [0, 1) for each, stratified among the samples of the pixel.
+    #[inline(always)]
+    pub(super) fn next(&mut self) -> [[f32; 4]; L] {
+        // Plain code: closures handed to std are not compiled for the wider instruction set.
+        let mut sets = [0; L];
+        for lane in 0..L {
+            sets[lane] = hash::hash1(self.seeds[lane], self.set);
+        }
         self.set += 1;
         match self.kind {
-            SamplerKind::Sobol => sobol::four(self.index, set),
+            SamplerKind::Sobol => sobol::fours(&self.indices, &sets),
             SamplerKind::Independent => {
-                std::array::from_fn(|lane| hash::unit(hash::hash2(set, self.index, lane as u32)))
+                let mut numbers = [[0.0; 4]; L];
+                for lane in 0..L {
+                    for k in 0..4 {
+                        numbers[lane][k] = hash::unit(hash::hash2(sets[lane], self.indices[lane], k as u32));
+                    }
+                }
+                numbers
             }
         }
     }
@@ -70,9 +92,9 @@ mod tests {
             .map(|pixel| {
                 let sum: f64 = (0..n)
                     .map(|i| {
-                        let mut sampler = Sampler::new(kind, 7, [pixel, 3], i);
+                        let mut sampler = Samplers::new(kind, 7, [pixel, 3], [i]);
                         sampler.next();
-                        let u = sampler.next();
+                        let [u] = sampler.next();
                         f64::from(u[0]) * f64::from(u[1])
                     })
                     .sum();
@@ -96,12 +118,18 @@ mod tests {
     fn numbers_depend_on_nothing_but_their_place_and_lie_in_the_unit_interval() {
         for kind in [SamplerKind::Sobol, SamplerKind::Independent] {
             let draw = |pixel, index| {
-                let mut sampler = Sampler::new(kind, 1, pixel, index);
-                [sampler.next(), sampler.next()]
+                let mut sampler = Samplers::new(kind, 1, pixel, [index]);
+                [sampler.next(), sampler.next()].map(|[u]| u)
             };
             assert_eq!(draw([4, 5], 70_000), draw([4, 5], 70_000));
             assert_ne!(draw([4, 5], 70_000), draw([4, 5], 70_000 & 0xffff));
             assert_ne!(draw([4, 5], 1), draw([5, 4], 1));
+            // Neighbours change nothing.
+            let mut three = Samplers::new(kind, 1, [4, 5], [1, 70_000, 3]);
+            let drawn = [three.next(), three.next()];
+            for (lane, index) in [1, 70_000, 3].into_iter().enumerate() {
+                assert_eq!(drawn.map(|u| u[lane]), draw([4, 5], index));
+            }
             for i in 0..4096 {
                 assert!(draw([0, 0], i).as_flattened().iter().all(|u| (0.0..1.0).contains(u)));
             }

@@ -66,40 +66,54 @@ const fn directions() -> [[u32; LANES]; BITS] {
     directions
 }
 
-/// Point `index` (below 2^16) of the sequence that `seed` shuffles and scrambles, in [0, 1).
+/// For each of N: point `index` (below 2^16) of the sequence that its seed shuffles and scrambles, in [0, 1).
 #[inline(always)]
-pub(super) fn four(index: u32, seed: u32) -> [f32; LANES] {
-    let shuffled = scramble([index.reverse_bits()], mix([seed ^ 0x79c6_8e4a]))[0];
-    let (low, high) = (BYTES[0][(shuffled >> 24) as usize], BYTES[1][(shuffled >> 16 & 0xff) as usize]);
-    let seed = seed.wrapping_mul(0x9c8f_2d3b);
-    let seeds = [0x912f_69ba, 0x174f_18ab, 0x691e_72ca, 0xb40c_c1b8].map(|lane| seed ^ lane);
-    let digits = scramble(std::array::from_fn(|i| low[i] ^ high[i]), mix(seeds));
-    // 23 bits are a number in [1, 2).
-    digits.map(|d| f32::from_bits((d.reverse_bits() >> 9) | 0x3f80_0000) - 1.0)
+pub(super) fn fours<const N: usize>(indices: &[u32; N], seeds: &[u32; N]) -> [[f32; LANES]; N] {
+    let mut digits = [[0; LANES]; N];
+    let mut keys = [[0; LANES]; N];
+    let mut shuffled = [0; N];
+    for i in 0..N {
+        shuffled[i] = scramble(indices[i].reverse_bits(), mix(seeds[i] ^ 0x79c6_8e4a));
+    }
+    for i in 0..N {
+        let (low, high) =
+            (&BYTES[0][(shuffled[i] >> 24) as usize], &BYTES[1][(shuffled[i] >> 16 & 0xff) as usize]);
+        for lane in 0..LANES {
+            digits[i][lane] = low[lane] ^ high[lane];
+            keys[i][lane] = seeds[i].wrapping_mul(0x9c8f_2d3b) ^ KEYS[lane];
+        }
+    }
+    let mut points = [[0.0; LANES]; N];
+    let (digits, keys) = (digits.as_flattened(), keys.as_flattened());
+    for (i, point) in points.as_flattened_mut().iter_mut().enumerate() {
+        let scrambled = scramble(digits[i], mix(keys[i])).reverse_bits();
+        // 23 bits are a number in [1, 2).
+        *point = f32::from_bits((scrambled >> 9) | 0x3f80_0000) - 1.0;
+    }
+    points
 }
+
+/// What makes the scrambling of each dimension another.
+const KEYS: [u32; LANES] = [0x912f_69ba, 0x174f_18ab, 0x691e_72ca, 0xb40c_c1b8];
 
 /// Scrambles digits, the first in the lowest bit, each by those before it (Vegdahl 2021, Building a Better LK Hash).
 #[inline(always)]
-fn scramble<const N: usize>(digits: [u32; N], seed: [u32; N]) -> [u32; N] {
-    std::array::from_fn(|i| {
-        let mut d = digits[i];
-        d ^= d.wrapping_mul(0x3d20_adea);
-        d = d.wrapping_add(seed[i]);
-        d = d.wrapping_mul((seed[i] >> 16) | 1);
-        d ^= d.wrapping_mul(0x0552_6c56);
-        d ^ d.wrapping_mul(0x53a2_2864)
-    })
+fn scramble(digits: u32, seed: u32) -> u32 {
+    let mut d = digits;
+    d ^= d.wrapping_mul(0x3d20_adea);
+    d = d.wrapping_add(seed);
+    d = d.wrapping_mul((seed >> 16) | 1);
+    d ^= d.wrapping_mul(0x0552_6c56);
+    d ^ d.wrapping_mul(0x53a2_2864)
 }
 
-/// Mixes the bits of seeds (Wellons, hash-prospector).
+/// Mixes the bits of a seed (Wellons, hash-prospector).
 #[inline(always)]
-fn mix<const N: usize>(seeds: [u32; N]) -> [u32; N] {
-    seeds.map(|s| {
-        let s = s ^ 0xe6fe_3beb;
-        let s = (s ^ (s >> 16)).wrapping_mul(0x7feb_352d);
-        let s = (s ^ (s >> 15)).wrapping_mul(0x846c_a68b);
-        s ^ (s >> 16)
-    })
+fn mix(seed: u32) -> u32 {
+    let s = seed ^ 0xe6fe_3beb;
+    let s = (s ^ (s >> 16)).wrapping_mul(0x7feb_352d);
+    let s = (s ^ (s >> 15)).wrapping_mul(0x846c_a68b);
+    s ^ (s >> 16)
 }
 
 #[cfg(test)]
@@ -110,9 +124,14 @@ mod tests {
     fn the_points_are_those_of_the_crate() {
         for seed in [0, 1, 77, 0xdead_beef] {
             for index in (0..1 << 16).step_by(7).chain([1, 2, 3, 0xffff]) {
-                assert_eq!(four(index, seed), sobol_burley::sample_4d(index, 0, seed), "{index} {seed}");
+                let other = index ^ 5;
+                assert_eq!(
+                    fours(&[index, other], &[seed, seed]),
+                    [index, other].map(|i| sobol_burley::sample_4d(i, 0, seed)),
+                    "{index} {seed}"
+                );
             }
         }
-        assert_ne!(four(5, 1), sobol_burley::sample_4d(5, 0, 2));
+        assert_ne!(fours(&[5], &[1])[0], sobol_burley::sample_4d(5, 0, 2));
     }
 }

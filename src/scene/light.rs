@@ -1,9 +1,12 @@
 //! Lights that have a place or a direction. The environment is apart: see [`super::environment`].
 
+pub(crate) mod rectangle;
+
 use std::f32::consts::PI;
 
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 
+use self::rectangle::Rectangle;
 use crate::base::{LinearRgb, num};
 
 /// A light. Radiance is relative to D65: white (1, 1, 1) has that illuminant's spectrum.
@@ -90,16 +93,7 @@ impl Light {
                 })
             }
             Self::Area { center, u: half_u, v: half_v, radiance } => {
-                let seen = SeenRectangle::new(point, center, half_u, half_v)?;
-                let to = seen.sample(u);
-                let distance = to.length();
-                (distance > 0.0).then(|| LightSample {
-                    direction: to / distance,
-                    distance,
-                    radiance,
-                    pdf: seen.pdf(to),
-                    delta: false,
-                })
+                Rectangle::new(center, half_u, half_v)?.sample(point, radiance, u)
             }
         }
     }
@@ -119,9 +113,7 @@ impl Light {
                 })
             }
             Self::Area { center, u, v, radiance } => {
-                let seen = SeenRectangle::new(origin, center, u, v)?;
-                let to = seen.hit(direction)?;
-                Some(LightHit { distance: to.length(), radiance, pdf: seen.pdf(to) })
+                Rectangle::new(center, u, v)?.hit(origin, direction, radiance)
             }
         }
     }
@@ -156,102 +148,6 @@ impl Disk {
     fn radiance(self, irradiance: LinearRgb) -> LinearRgb {
         let scale = 1.0 / (PI * self.height * (2.0 - self.height));
         LinearRgb(irradiance.0.map(|e| e * scale))
-    }
-}
-
-/// A rectangle as seen from a point on the side to which it shines. In f64: the solid angle is a difference.
-///
-/// Source: Urena, Fajardo & King, "An area-preserving parametrization for spherical rectangles", Computer Graphics
-/// Forum 32(4), 2013; their angles between edge planes are here the four arc tangents of the classical formula of the
-/// solid angle, which keep their digits at grazing views.
-struct SeenRectangle {
-    /// Unit axes of the rectangle, and the one from the point straight to its plane.
-    axes: [DVec3; 3],
-    /// Distance of its plane.
-    height: f64,
-    /// Its edges along the first axis, then along the second, from the foot of the point.
-    x: [f64; 2],
-    y: [f64; 2],
-    /// 0 where it is to be sampled by area.
-    solid_angle: f64,
-    /// `area_angle(x0, y1) - area_angle(x0, y0)`.
-    first: f64,
-}
-
-/// Below this solid angle, as its middle gives it, a rectangle is sampled by area: over so little of the sky the density
-/// hardly varies, and four arc tangents are saved.
-const SMALL: f64 = 0.02;
-
-/// The formulas lose their digits below this solid angle.
-const LEAST: f64 = 1e-6;
-
-impl SeenRectangle {
-    /// `None` where the point sees only its back or its edge, or where it has no area.
-    fn new(point: Vec3, center: Vec3, u: Vec3, v: Vec3) -> Option<Self> {
-        let (u, v) = (u.as_dvec3(), v.as_dvec3());
-        let to = center.as_dvec3() - point.as_dvec3();
-        let x_axis = u.try_normalize()?;
-        // Square even if the author's vectors are a rounding away from it.
-        let y_axis = (v - x_axis * v.dot(x_axis)).try_normalize()?;
-        let away = y_axis.cross(x_axis);
-        let height = to.dot(away);
-        if height.is_nan() || height <= 0.0 {
-            return None;
-        }
-        let (a, b) = (u.length(), v.dot(y_axis));
-        let (cx, cy) = (to.dot(x_axis), to.dot(y_axis));
-        let (x, y) = ([cx - a, cx + a], [cy - b, cy + b]);
-        let near = 4.0 * a * b * height / (to.length_squared() * to.length());
-        if near < SMALL && to.length_squared() > 4.0 * (a * a + b * b) {
-            return Some(Self { axes: [x_axis, y_axis, away], height, x, y, solid_angle: 0.0, first: 0.0 });
-        }
-        let angle = |x: f64, y: f64| libm::atan2(x * y, height * (x * x + y * y + height * height).sqrt());
-        let first = angle(x[0], y[1]) - angle(x[0], y[0]);
-        let solid_angle = angle(x[1], y[1]) - angle(x[1], y[0]) - first;
-        Some(Self { axes: [x_axis, y_axis, away], height, x, y, solid_angle, first })
-    }
-
-    /// The vector from the point to a place on the rectangle.
-    fn sample(&self, u: [f32; 2]) -> Vec3 {
-        let [u, v] = u.map(f64::from);
-        let ([x0, x1], [y0, y1], h) = (self.x, self.y, self.height);
-        let (x, y) = if self.solid_angle < LEAST {
-            (x0 + (x1 - x0) * u, y0 + (y1 - y0) * v)
-        } else {
-            // The strip from x0 to x has u of the solid angle.
-            let phi = u * self.solid_angle + self.first + std::f64::consts::PI;
-            let (b0, b1) = (-y0 / (y0 * y0 + h * h).sqrt(), y1 / (y1 * y1 + h * h).sqrt());
-            let f = (libm::cos(phi) * b0 - b1) / libm::sin(phi);
-            let c = (1.0 / (f * f + b0 * b0).sqrt()).min(1.0);
-            let x = (h * c / ((1.0 - c) * (1.0 + c)).sqrt()).copysign(f).max(x0).min(x1);
-            // And in it the height is uniform in the sine.
-            let d2 = x * x + h * h;
-            let (s0, s1) = (y0 / (d2 + y0 * y0).sqrt(), y1 / (d2 + y1 * y1).sqrt());
-            let s = s0 + v * (s1 - s0);
-            (x, (s * (d2 / ((1.0 - s) * (1.0 + s))).sqrt()).max(y0).min(y1))
-        };
-        let [x_axis, y_axis, away] = self.axes;
-        (x_axis * x + y_axis * y + away * h).as_vec3()
-    }
-
-    /// Where a ray from the point meets the rectangle, from the point.
-    fn hit(&self, direction: Vec3) -> Option<Vec3> {
-        let d = direction.as_dvec3();
-        let [x_axis, y_axis, away] = self.axes;
-        let t = self.height / d.dot(away);
-        let (x, y) = (t * d.dot(x_axis), t * d.dot(y_axis));
-        let inside = t > 0.0 && x >= self.x[0] && x <= self.x[1] && y >= self.y[0] && y <= self.y[1];
-        inside.then(|| (d * t).as_vec3())
-    }
-
-    /// The density of [`Self::sample`] at the place that `to` leads to, per solid angle.
-    fn pdf(&self, to: Vec3) -> f32 {
-        if self.solid_angle >= LEAST {
-            return (1.0 / self.solid_angle) as f32;
-        }
-        let area = (self.x[1] - self.x[0]) * (self.y[1] - self.y[0]);
-        let r2 = to.as_dvec3().length_squared();
-        (r2 * r2.sqrt() / (area * self.height)) as f32
     }
 }
 

@@ -121,8 +121,8 @@ pub(in super::super) struct Table<F> {
 pub(in super::super) struct Place<F, const N: usize> {
     /// First row of the first roughness, for each band.
     row: [usize; N],
-    of_thickness: [[F; 4]; N],
-    of_roughness: [F; 4],
+    /// Of four thicknesses at each of four roughnesses, for each band.
+    weights: [[[F; 4]; 4]; N],
     /// Of a dispersive table, for each band.
     of_channel: [[F; 3]; N],
 }
@@ -267,7 +267,7 @@ impl<F: Real> Table<F> {
             let start = place.whole().clamp(1, ROUGHNESSES - 2);
             (start - 1, cubic(place - F::from_f64(start as f64)))
         };
-        let (mut row, mut of_thickness) = ([0; N], [[F::ZERO; 4]; N]);
+        let (mut row, mut weights) = ([0; N], [[[F::ZERO; 4]; 4]; N]);
         for i in 0..N {
             let place = (fringes[i] * F::from_f64(PER_FRINGE as f64)).max(F::ZERO);
             let (last, x) = (self.thicknesses - 4, place.whole());
@@ -277,10 +277,15 @@ impl<F: Real> Table<F> {
             let t = if coherent { place - F::from_f64(x as f64) } else { F::ZERO };
             let channel = if self.dispersed { 0 } else { i % self.channels };
             row[i] = (first * self.channels + channel) * self.thicknesses + x;
-            of_thickness[i] = cubic(t);
+            let of_thickness = cubic(t);
+            for r in 0..4 {
+                for x in 0..4 {
+                    weights[i][r][x] = of_roughness[r] * of_thickness[x];
+                }
+            }
         }
         let of_channel = if self.dispersed { wavelengths_nm.map(of_channel) } else { [[F::ZERO; 3]; N] };
-        Place { row, of_thickness, of_roughness, of_channel }
+        Place { row, weights, of_channel }
     }
 
     /// Sum of what is read from each row around a place, for one band.
@@ -307,7 +312,7 @@ impl<F: Real> Table<F> {
         let (first, step) = (place.row[band] + channel * self.thicknesses, self.channels * self.thicknesses);
         for r in 0..if self.roughnesses == 1 { 1 } else { 4 } {
             for x in 0..4 {
-                let weight = place.of_roughness[r] * place.of_thickness[band][x];
+                let weight = place.weights[band][r][x];
                 let values = read(first + r * step + x);
                 for k in 0..K {
                     sums[k] += weight * values[k];
