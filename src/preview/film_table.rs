@@ -2,15 +2,18 @@
 //! series' own table costs as much as a hundred operations.
 
 use half::f16;
+use rayon::prelude::*;
 
+use crate::base::num;
 use crate::optics::{Film, FilmColor, FilmError, Method};
 
 /// Columns: even steps of the root of the cosine, which tell more of grazing angles.
 pub(super) const COSINES: usize = 64;
 /// Rows: even steps of thickness, from 0 to the thickest.
 pub(super) const THICKNESSES: usize = 512;
-/// Layers: the film itself, then its mean over a width of 16 nm, and twice as much for each next one.
-pub(super) const LAYERS: usize = 7;
+/// Layers: the film itself, then its mean over a width of 16 nm, and twice as much for each next but one: near enough that one
+/// read will do, of the nearest.
+pub(super) const LAYERS: usize = 12;
 /// The width of the second layer, nm.
 const WIDTH_NM: f32 = 16.0;
 /// A table of thicker films would miss fringes between its rows.
@@ -33,22 +36,21 @@ pub(super) fn table(indices: [f32; 3], thickest_nm: f32) -> Result<Vec<f16>, Fil
         })
     };
     let rows: Vec<_> = (0..THICKNESSES).map(row).collect();
-    let mut texels = Vec::with_capacity(4 * COSINES * THICKNESSES * LAYERS);
-    for layer in 0..LAYERS {
-        let width = if layer == 0 { 0.0 } else { WIDTH_NM * (1u32 << (layer - 1)) as f32 };
+    let mut texels = vec![f16::ONE; 4 * COSINES * THICKNESSES * LAYERS];
+    texels.par_chunks_mut(4 * COSINES).enumerate().for_each(|(row, texels)| {
+        let (layer, j) = (row / THICKNESSES, row % THICKNESSES);
+        let width = if layer == 0 { 0.0 } else { WIDTH_NM * num::exp2(0.5 * (layer - 1) as f32) };
         let half = 0.5 * width / step.max(1e-6);
-        for j in 0..THICKNESSES {
-            // Rows that a box of this width covers, those at its ends in part.
-            let weight = |k: usize| (half + 0.5 - (k as f32 - j as f32).abs()).max(0.0).min(1.0);
-            let reach = (half + 0.5) as usize + 1;
-            let covered = j.saturating_sub(reach)..(j + reach + 1).min(THICKNESSES);
-            let total: f32 = covered.clone().map(weight).sum();
-            for i in 0..COSINES {
-                let mean = |c: usize| covered.clone().map(|k| weight(k) * rows[k][i][c]).sum::<f32>() / total;
-                texels.extend([mean(0), mean(1), mean(2), 1.0].map(f16::from_f32));
-            }
+        // Rows that a box of this width covers, those at its ends in part.
+        let weight = |k: usize| (half + 0.5 - (k as f32 - j as f32).abs()).max(0.0).min(1.0);
+        let reach = (half + 0.5) as usize + 1;
+        let covered = j.saturating_sub(reach)..(j + reach + 1).min(THICKNESSES);
+        let total: f32 = covered.clone().map(weight).sum();
+        for (i, texel) in texels.chunks_exact_mut(4).enumerate() {
+            let mean = |c: usize| covered.clone().map(|k| weight(k) * rows[k][i][c]).sum::<f32>() / total;
+            (0..3).for_each(|c| texel[c] = f16::from_f32(mean(c)));
         }
-    }
+    });
     Ok(texels)
 }
 
