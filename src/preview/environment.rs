@@ -14,7 +14,7 @@ use rayon::prelude::*;
 
 use super::{Gpu, textures};
 use crate::base::{LinearRgb, num};
-use crate::scene::{Environment, EnvironmentImage, Light, Scene};
+use crate::scene::{Environment, EnvironmentImage, Scene};
 
 /// Texels of a side of a layer.
 pub(super) const SIDE: usize = 128;
@@ -24,16 +24,17 @@ pub(super) const LAYERS: usize = 8;
 const DIRECTIONS: usize = 48;
 /// Columns of the sharpest level that is filtered.
 const MOST_COLUMNS: usize = 1024;
-/// Columns of a picture of an even environment that lamps stand before.
-const EVEN_COLUMNS: usize = 256;
 /// Most radiance that a half holds.
 const BRIGHTEST: f32 = 60_000.0;
 
 /// The layers of a scene, `LAYERS + 1` of `SIDE` x `SIDE` texels of four halves each: see the module. `None` where the same
 /// comes from everywhere.
 pub(super) fn layers(scene: &Scene) -> Option<Vec<f16>> {
-    let picture = surroundings(scene)?;
-    let levels = levels(picture);
+    let Environment::Image(picture) = &scene.environment else { return None };
+    if scene.environment.is_black() {
+        return None;
+    }
+    let levels = levels(picture.as_ref().clone());
     let lobes: Vec<Vec<Direction>> = (0..LAYERS)
         .map(|i| gloss(i as f32 / (LAYERS - 1) as f32, &levels))
         .chain(std::iter::once(hemisphere(&levels)))
@@ -65,30 +66,6 @@ pub(super) fn texture(gpu: &Gpu, texels: &[f16]) -> wgpu::TextureView {
         dimension: Some(wgpu::TextureViewDimension::D2Array),
         ..Default::default()
     })
-}
-
-/// What is all around as surfaces see it: rectangles hide what is behind them, as seen from the middle of the first object.
-fn surroundings(scene: &Scene) -> Option<EnvironmentImage> {
-    if scene.environment.is_black() {
-        return None;
-    }
-    let rectangles: Vec<&Light> = scene.lights.iter().filter(|l| matches!(l, Light::Area { .. })).collect();
-    let [low, high] = scene.objects.first().map(|o| o.mesh.bounds()).unwrap_or_default();
-    let middle = 0.5 * (low + high);
-    let hidden = |d: Vec3| rectangles.iter().any(|l| l.hit(middle, d).is_some());
-    match &scene.environment {
-        Environment::Constant(_) if rectangles.is_empty() => None,
-        Environment::Image(image) if rectangles.is_empty() => Some(image.as_ref().clone()),
-        environment => {
-            let (width, height) = match environment {
-                Environment::Image(image) => (image.width, image.height),
-                Environment::Constant(_) => (EVEN_COLUMNS, EVEN_COLUMNS / 2),
-            };
-            Some(EnvironmentImage::from_fn(width, height, |d| {
-                if hidden(d) { LinearRgb::default() } else { environment.radiance(d) }
-            }))
-        }
-    }
 }
 
 /// The picture, and coarser and coarser means of it.
@@ -224,20 +201,11 @@ mod tests {
     }
 
     #[test]
-    fn even_light_needs_no_layers_unless_a_lamp_stands_before_it() {
-        let even = || Environment::Constant(LinearRgb([0.5; 3]));
-        assert_eq!(layers(&scene(even())), None);
-        assert_eq!(layers(&scene(Environment::Constant(LinearRgb::default()))), None);
-        let mut lit = scene(even());
-        let middle = lit.objects[0].mesh.bounds().iter().sum::<Vec3>() * 0.5;
-        let (center, u, v) = (middle + Vec3::Y * 10.0, Vec3::X * 9.0, Vec3::Z * 9.0);
-        lit.lights = vec![Light::Area { center, u, v, radiance: LinearRgb([1.0; 3]) }];
-        let layers = layers(&lit).expect("a lamp");
-        // y is up in the middle of the octahedron's square.
-        assert!(texel(&layers, 0, SIDE / 2, SIDE / 2) < 0.01);
-        assert!((texel(&layers, 0, 0, 0) - 0.5).abs() < 1e-3, "straight down");
-        let share = texel(&layers, LAYERS, SIDE / 2, SIDE / 2) / 0.5;
-        assert!((0.3..0.7).contains(&share), "{share}");
+    fn even_light_and_darkness_need_no_layers() {
+        for radiance in [0.5, 0.0] {
+            assert_eq!(layers(&scene(Environment::Constant(LinearRgb([radiance; 3])))), None);
+            assert_eq!(layers(&scene(picture(|_| radiance))).is_some(), radiance > 0.0);
+        }
     }
 
     /// Of light that grows with the height: irradiance over pi is 2/3 above and 0 below; the mirror shows it as it is, and

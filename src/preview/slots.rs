@@ -5,7 +5,7 @@
 //! | maps | `maps_none`, `maps` with `width_none` or `width_map` |
 //! | film under maps | the material's own series, or `film_table` in its place |
 //! | suns | `suns_none`, `suns` |
-//! | rectangles | `rectangles_none`, `rectangles` |
+//! | rectangles | `rectangles_none`, `rectangles` with `tints_middle` or `tints_each` |
 //! | light from all around | `sky_none`, `sky_even`, `sky_image` |
 
 use super::Gpu;
@@ -25,6 +25,8 @@ pub(super) struct Lit {
     pub(super) suns: bool,
     /// Rectangles.
     pub(super) rectangles: bool,
+    /// Each small light of theirs in its own colour.
+    pub(super) tints_each: bool,
     /// Light from all around.
     pub(super) sky: Sky,
 }
@@ -78,8 +80,14 @@ pub(super) fn files(program: &SkinProgram, has: Has, lit: Lit) -> Vec<Slot> {
         files.push(plain);
     }
     let suns = if lit.suns { suns } else { no_suns };
-    let rectangles = if lit.rectangles { rectangles } else { no_rectangles };
-    files.extend([surface, suns, rectangles, sky, shade]);
+    files.extend([surface, suns]);
+    if lit.rectangles {
+        let [middle, each] = slots!["tints_middle", "tints_each"];
+        files.extend([if lit.tints_each { each } else { middle }, rectangles]);
+    } else {
+        files.push(no_rectangles);
+    }
+    files.extend([sky, shade]);
     files
 }
 
@@ -129,7 +137,7 @@ mod tests {
                 for bits in 0..4 {
                     let (suns, rectangles) = (bits & 1 == 1, bits & 2 == 2);
                     for sky in [Sky::Dark, Sky::Even, Sky::Image] {
-                        let lit = Lit { suns, rectangles, sky };
+                        let lit = Lit { suns, rectangles, tints_each: suns, sky };
                         let has = Has { maps, ..Has::default() };
                         all.push(files(&program, has, lit));
                         if maps && features.film {
@@ -183,7 +191,7 @@ mod tests {
     #[test]
     fn blocks_lie_in_memory_as_shaders_read_them() {
         let program = SkinProgram::new(&features()[1], &SkinOptions::default());
-        let lit = Lit { suns: true, rectangles: true, sky: Sky::Dark };
+        let lit = Lit { suns: true, rectangles: true, tints_each: false, sky: Sky::Dark };
         let skin = parse(&join(&files(&program, Has::default(), lit)));
         let [frame, even, background] = slots!["frame", "surroundings_even", "background"];
         let background = parse(&join(&[frame, even, background]));

@@ -168,9 +168,11 @@ impl World<'_> {
                     }
                     hit = next;
                 }
-                // The environment shines through what was met; suns do not.
+                // The environment shines through what was met, though not through lamps behind it; suns do not.
                 Some(_) => {
-                    self.lights.sky(direction, asked).into_iter().for_each(met);
+                    if self.lights.hit(origin, direction, f32::INFINITY, false).is_none() {
+                        self.lights.sky(direction, asked).into_iter().for_each(met);
+                    }
                     return radiance;
                 }
                 None => {

@@ -32,9 +32,6 @@ struct Rectangles {
 @group(0) @binding(6) var<uniform> rectangles: Rectangles;
 @group(0) @binding(7) var rectangle_maps: texture_depth_2d_array;
 
-// Texels that a place is lifted off its surface for the test, along the facet.
-const LIFT = 1.5;
-
 fn rectangle_light(skin: Skin, position: vec3f, facet: vec3f, a: Axes) -> vec3f {
     var sum = vec3f(0.0);
     let side = f32(textureDimensions(rectangle_maps).x);
@@ -47,12 +44,11 @@ fn rectangle_light(skin: Skin, position: vec3f, facet: vec3f, a: Axes) -> vec3f 
             continue;
         }
         let leaning = facet * axes;
-        let start = p + leaning * (LIFT * r.texel * p.z);
+        let start = p + leaning * (SHADOW_LIFT * r.texel * p.z);
         let to_shading = transpose(a) * axes;
         // Behind all that casts shadows a map is 1.
         let depth = min(r.depth.x + r.depth.y / start.z, 1.0);
-        var lobes = vec2f(0.0);
-        var middle = vec3f(0.0);
+        var g = Gathered();
         for (var j = r.first + frame.first_place; j < r.first + r.count; j += frame.place_step) {
             let place = rectangles.places[j];
             // Shadows are those of the middle of its part.
@@ -62,21 +58,14 @@ fn rectangle_light(skin: Skin, position: vec3f, facet: vec3f, a: Axes) -> vec3f 
                 // Nothing casts a shadow to outside of the map.
                 let within = all(at > vec2f(0.0)) && all(at < vec2f(1.0));
                 let nearest = textureLoad(rectangle_maps, vec2u(saturate(at) * side * 0.99999), j, 0);
-                if !within || depth <= nearest {
-                    let over = inverseSqrt(dot(to, to));
-                    let direction = to * over;
-                    let cosine = p.z * over;
-                    let share = cosine * over * over;
-                    lobes += skin_lobes(skin, to_shading * direction, r.spread) * share;
-                    middle += direction * share;
-                }
+                let over = inverseSqrt(dot(to, to));
+                let share = p.z * over * over * over;
+                gather(&g, skin, to_shading * (to * over), r.spread, share, !within || depth <= nearest);
             }
         }
-        // One colour for all of it, from the middle of what is seen.
-        if any(lobes > vec2f(0.0)) {
-            let tints = skin_tints(skin, to_shading * normalize(middle));
-            sum += (tints.gloss * lobes.x + tints.base * lobes.y) * (r.light * f32(frame.place_step));
-        }
+        // The rectangle hides what is behind it, also where it is not seen itself: the environment shines through objects.
+        let behind = sky_behind(normalize(r.center - position)) * (r.cell.x * r.cell.y);
+        sum += gathered(g, skin, r.light, behind) * f32(frame.place_step);
     }
     return sum;
 }

@@ -15,5 +15,6 @@ fn shade(v: Varying, @builtin(front_facing) front: bool) -> @location(0) vec4f {
     let skin = skin_view(found.point, to_eye * a);
     let lamps = sun_light(skin, v.position, facet, a) + rectangle_light(skin, v.position, facet, a);
     let light = lamps + sky_light(skin, facet, a);
-    return vec4f(min(light, vec3f(BRIGHTEST)), 1.0);
+    // What lamps hide of the environment may be more than is left of it, by rounding.
+    return vec4f(clamp(light, vec3f(0.0), vec3f(BRIGHTEST)), 1.0);
 }

@@ -4,6 +4,9 @@
 @group(0) @binding(4) var sky: texture_2d_array<f32>;
 @group(0) @binding(5) var sky_sampler: sampler;
 
+// Its lobe is a third of a steradian wide.
+const BEHIND = 3u;
+
 fn sky_light(skin: Skin, facet: vec3f, a: Axes) -> vec3f {
     let normal = a[2];
     // Where normals vary, light is nearer to that from everywhere.
@@ -21,6 +24,11 @@ fn sky_light(skin: Skin, facet: vec3f, a: Axes) -> vec3f {
     let high = min(low + 1u, u32(frame.sky_layers) - 1u);
     let gloss = mix(sky_layer(mirrored, low), sky_layer(mirrored, high), layer - f32(low));
     return skin_ambient(skin, irradiance, gloss * above);
+}
+
+// What a lamp hides: the mean over about as much as one covers.
+fn sky_behind(direction: vec3f) -> vec3f {
+    return sky_layer(direction, BEHIND);
 }
 
 fn sky_layer(direction: vec3f, layer: u32) -> vec3f {

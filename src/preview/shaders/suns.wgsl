@@ -17,15 +17,12 @@ struct Sun {
 @group(0) @binding(2) var sun_maps: texture_depth_2d_array;
 @group(0) @binding(3) var sun_sampler: sampler_comparison;
 
-// Texels that a place is lifted off its surface for the test, along the facet.
-const SUN_LIFT = 1.5;
-
 fn sun_light(skin: Skin, position: vec3f, facet: vec3f, a: Axes) -> vec3f {
     var sum = vec3f(0.0);
     for (var i = 0u; i < frame.suns; i++) {
         let direction = suns[i].direction;
         if dot(facet, direction) > 0.0 {
-            let reached = sun_reaches(i, position + facet * (SUN_LIFT * suns[i].texel));
+            let reached = sun_reaches(i, position + facet * (SHADOW_LIFT * suns[i].texel));
             if reached > 0.0 {
                 let wi = direction * a;
                 let tints = skin_tints(skin, wi);

@@ -1,5 +1,9 @@
 // From vertices to what shading needs at a pixel: place, facet and shading frame, as the reference has them.
 
+// Texels of shadow maps that a place is lifted off its surface for the test, along the facet; 0 for what is in no map, as
+// its shadows would be that much too small.
+override SHADOW_LIFT: f32 = 1.5;
+
 struct Vertex {
     @location(0) position: vec3f,
     @location(1) normal: vec3f,

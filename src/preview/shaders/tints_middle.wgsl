@@ -1,0 +1,23 @@
+// Small lights of a rectangle, all in one colour: that of the middle of what is seen of it.
+
+struct Gathered {
+    // Lobes of those that are seen, and of all.
+    seen: vec2f,
+    all: vec2f,
+    middle: vec3f,
+}
+
+fn gather(g: ptr<function, Gathered>, skin: Skin, wi: vec3f, spread: f32, share: f32, seen: bool) {
+    let lobes = skin_lobes(skin, wi, spread) * share;
+    let counts = select(0.0, 1.0, seen);
+    (*g).seen += lobes * counts;
+    (*g).all += lobes;
+    // Where none is seen, that of all.
+    (*g).middle += wi * (share * (counts + 1e-3));
+}
+
+// Radiance to the eye, where each that is seen sends `light`, and each hides `behind`.
+fn gathered(g: Gathered, skin: Skin, light: vec3f, behind: vec3f) -> vec3f {
+    let tints = skin_tints(skin, g.middle * inverseSqrt(max(dot(g.middle, g.middle), 1e-30)));
+    return tints.gloss * (light * g.seen.x - behind * g.all.x) + tints.base * (light * g.seen.y - behind * g.all.y);
+}
