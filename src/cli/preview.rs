@@ -14,7 +14,7 @@ use super::{generate, render, signal};
 use crate::io;
 use crate::preview::{Gpu, Options, PreviewError, Renderer};
 use crate::reference::{self, Settings, Stage, Transport};
-use crate::scene::{Scene, spec::SceneSpec};
+use crate::scene::{Scene, bloom::bloom, spec::SceneSpec};
 
 /// Most samples per pixel of the path tracer: no more can be seen.
 const SAMPLES: u32 = 256;
@@ -80,7 +80,7 @@ pub(super) fn run(args: &Preview) -> Result<Exit, Failure> {
     progress.start(spec.name.clone());
     let scene = stage::build(&text, &skin, mesh)?;
     let on_gpu = gpu.map(|gpu| gpu.and_then(|gpu| pool.install(|| draw(&gpu, &scene, size, args.samples))));
-    let drawn = match on_gpu {
+    let mut drawn = match on_gpu {
         Some(Ok(drawn)) => drawn,
         Some(Err(error)) if args.backend == BackendArg::Gpu => {
             return Err(Failure::usage(error, "--backend auto or cpu draws without a graphics adapter"));
@@ -112,6 +112,11 @@ pub(super) fn run(args: &Preview) -> Result<Exit, Failure> {
             }
         }
     };
+    if spec.render.bloom > 0.0 {
+        let start = Instant::now();
+        bloom(&mut drawn.texels, size[0], spec.render.bloom);
+        drawn.passes.push(("bloom, on the CPU", Some(1e3 * start.elapsed().as_secs_f64())));
+    }
     let exposure = spec.render.exposure(&drawn.texels) + args.exposure_ev.unwrap_or(0.0);
     let pixels = pool.install(|| screen(&drawn.texels, args.tone.unwrap_or(spec.render.tone), exposure));
     io::write_picture(&args.output, size, &pixels)?;

@@ -15,6 +15,7 @@ use super::{generate, signal};
 use crate::base::{LinearRgb, MapKind, Srgb8};
 use crate::io;
 use crate::reference::{Control, Film, Renderer, Settings, Stage, Transport};
+use crate::scene::bloom::bloom;
 use crate::scene::spec::SceneSpec;
 use crate::scene::tone::ToneMap;
 
@@ -52,7 +53,8 @@ pub(super) fn run(args: &Render) -> Result<Exit, Failure> {
     let start = Instant::now();
     let film = trace(&renderer, &settings, args.budget, stop, &progress, &pool);
     let seconds = start.elapsed().as_secs_f64();
-    let texels = film.rgb();
+    let mut texels = film.rgb();
+    bloom(&mut texels, settings.width, spec.render.bloom);
     let exposure = spec.render.exposure(&texels) + args.exposure_ev.unwrap_or(0.0);
     files.write(&film, &screen(&texels, args.tone.unwrap_or(spec.render.tone), exposure))?;
     drop(progress);

@@ -12,6 +12,7 @@ use crate::base::{LinearRgb, Srgb8, num};
 use crate::preview::{Gpu, Options, PreviewError, Renderer, SkinOptions};
 use crate::reference::{self, Control, RenderError, Settings, Transport};
 use crate::scene::Scene;
+use crate::scene::bloom::bloom;
 use crate::scene::tone::ToneMap;
 
 /// A skin on the subject of a scene, and how it is shown.
@@ -61,6 +62,8 @@ const FULL: Transport = Transport::Full { bounces: 8 };
 /// Film thickness of the thesis's figures 5.5 to 5.13, nm, and absorption of figure 5.14.
 const THICKNESSES_NM: [f32; 6] = [200.0, 400.0, 600.0, 0.0, 2400.0, 2.4e6];
 const ABSORPTIONS: [f32; 2] = [0.1, 0.7];
+/// Share of the light that a lens spreads, beside none.
+const BLOOM: f32 = 0.05;
 /// Snakes of the thesis's table 5.3, and its milliseconds.
 const SNAKES: [(usize, f64); 4] = [(0, 0.09), (1, 0.17), (5, 0.18), (20, 0.21)];
 
@@ -237,8 +240,16 @@ fn difference(picture: &[[f32; 3]], truth: &[[f32; 3]]) -> Vec<Srgb8> {
 }
 
 fn draw(gpu: &Gpu, case: &Case, options: &Options, size: [usize; 2]) -> Result<Vec<[f32; 3]>, PreviewError> {
-    let picture = Renderer::new(gpu, &case.scene, options)?.render(&case.scene.camera, size)?;
-    Ok(shown(case, &picture.texels))
+    Ok(shown(case, &linear(gpu, case, options, size)?))
+}
+
+fn linear(
+    gpu: &Gpu,
+    case: &Case,
+    options: &Options,
+    size: [usize; 2],
+) -> Result<Vec<[f32; 3]>, PreviewError> {
+    Ok(Renderer::new(gpu, &case.scene, options)?.render(&case.scene.camera, size)?.texels)
 }
 
 /// Milliseconds of the second picture.
@@ -295,13 +306,25 @@ fn shortcuts(
         ("without suns and rectangles", Options { lamps: false, ..all }),
     ];
     let columns = ["changed", "ms", "RMSE", "FLIP", "dE mean", "dE 50%", "dE 95%", "dE 99%"];
+    let mut plain_ms = None;
     let mut table = Table::new("shortcuts", "Shortcuts, each changed alone", &columns);
     for (i, (name, options)) in rows.iter().enumerate() {
         watch(0.65 + 0.15 * i as f32 / rows.len() as f32, name);
         let apart = Apart::new(&draw(gpu, case, options, sizes.compared)?, truth, sizes.compared[0])?;
         let ms = time(gpu, case, options, sizes.shortcuts)?;
+        plain_ms.get_or_insert(ms);
         table.row([Cell::text(name), Cell::Fixed(ms, 1)].into_iter().chain(apart.cells()));
     }
+    // The truth has no lens.
+    let [mut drawn, mut large] =
+        [linear(gpu, case, options, sizes.compared)?, linear(gpu, case, options, sizes.shortcuts)?];
+    bloom(&mut drawn, sizes.compared[0], BLOOM);
+    let start = Instant::now();
+    bloom(&mut large, sizes.shortcuts[0], BLOOM);
+    let ms = plain_ms.unwrap_or(0.0) + 1e3 * start.elapsed().as_secs_f64();
+    let apart = Apart::new(&shown(case, &drawn), truth, sizes.compared[0])?;
+    let row = [Cell::text(format!("bloom of {BLOOM}")), Cell::Fixed(ms, 1)];
+    table.row(row.into_iter().chain(apart.cells()));
     Ok(table)
 }
 

@@ -12,11 +12,12 @@
 //! | [`Environment`], [`sky`], [`studio`] | what is all around, and how it is sampled |
 //! | [`SceneSpec`], [`builtin`] | a scene as text, and those that come with the library |
 //! | [`SceneFeatures`] | which parts a scene needs |
-//! | [`tone`] | exposure, and curves to what a screen shows |
+//! | [`tone`], [`bloom`] | exposure, and curves to what a screen shows; what a lens spreads |
 //!
 //! The scene unit is the diameter of the animal's body at its thickest; [`Scene::mm_per_unit`] says how long that is. x is
 //! to the right, y up, z towards the viewer. No files here: images and meshes come as bytes or planes.
 
+pub mod bloom;
 pub mod build;
 pub mod builtin;
 pub mod camera;

@@ -351,6 +351,9 @@ pub struct RenderSpec {
     pub exposure_ev: f32,
     /// How the exposure is found.
     pub metering: MeteringSpec,
+    /// Share of the light that the lens spreads around what is bright: 0 is a perfect lens, 0.05 a glow, 0.3 a fog.
+    #[schemars(range(min = 0.0, max = 1.0))]
+    pub bloom: f32,
     /// Tone curve of pictures for screens.
     pub tone: ToneMap,
 }
@@ -364,6 +367,7 @@ impl Default for RenderSpec {
             bounces: 6,
             exposure_ev: 0.0,
             metering: MeteringSpec::Manual,
+            bloom: 0.0,
             tone: ToneMap::Neutral,
         }
     }

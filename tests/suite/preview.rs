@@ -54,20 +54,20 @@ fn sees_one_surface(pixel: &reference::Pixel) -> bool {
     (n[0] * n[0] + n[1] * n[1] + n[2] * n[2]).sqrt() > 0.98
 }
 
-/// The bound of the issue, mean CIEDE2000 beside silhouettes, and that the picture can fail it: a film 5 % thicker does.
 /// What a preview draws, by the path tracer.
-fn direct_light([width, height]: [usize; 2]) -> Settings {
+fn direct_light([width, height]: [usize; 2], samples: u32) -> Settings {
     let transport = Transport::Direct { environment_shadows: false };
-    Settings { width, height, samples: 128, transport, ..Settings::default() }
+    Settings { width, height, samples, transport, ..Settings::default() }
 }
 
+/// The bound of the issue, mean CIEDE2000 beside silhouettes, and that the picture can fail it: a film 5 % thicker does.
 #[test]
 fn a_preview_is_the_path_tracers_picture_of_direct_light() {
     const MOST: f64 = 1.0;
     let Some(gpu) = gpu() else { return };
     let (spec, mut scene) = scene("coil");
     let size = [96, 72];
-    let settings = direct_light(size);
+    let settings = direct_light(size, 128);
     let film = reference::Renderer::new(&scene).expect("a sound scene").render(&settings, Control::default());
     let apart = |scene: &Scene| {
         let mut renderer = Renderer::new(&gpu, scene, &Options::of(&gpu)).expect("it fits");
@@ -86,17 +86,18 @@ fn a_preview_is_the_path_tracers_picture_of_direct_light() {
     assert!(wrong > MOST, "{wrong}");
 }
 
-/// With maps the bound of the issue (1.0, and FLIP 0.02) is not met: highlights on bumps that are smaller than a pixel need
-/// more samples. Measured here with 64 of each pixel 1.12 and 0.049, with one 2.68 and 0.084. These bounds hold what there is;
-/// one sample fails both, and so does a film 5 % thicker.
+/// With maps, too, where pixels have the samples that bumps smaller than a pixel need: CIEDE2000 and FLIP. With one sample both
+/// bounds fail, and with a film 5 % thicker as well.
 #[test]
-fn a_preview_of_maps_comes_near_where_pixels_have_samples_and_a_thicker_film_does_not() {
-    const MOST: f64 = 1.2;
-    const MOST_FLIP: f64 = 0.052;
+fn a_preview_of_maps_is_that_picture_where_pixels_have_samples_and_with_a_thicker_film_is_not() {
+    const MOST: f64 = 1.0;
+    const MOST_FLIP: f64 = 0.02;
+    const SAMPLES: u32 = 256;
     let Some(gpu) = gpu() else { return };
-    let document = preset::builtin::document("xenopeltis_unicolor").expect("a built-in preset");
+    let document = preset::builtin::document("epicrates_cenchria").expect("a built-in preset");
     let graph = graph::from_document(&document, None).expect("it is sound");
-    let domain = Domain::from_longer_side(512, graph.girth_mm, graph.length_mm);
+    // As many texels to a pixel as a picture of 1280x960 has of maps of 2048.
+    let domain = Domain::from_longer_side(192, graph.girth_mm, graph.length_mm);
     let kinds = [MapKind::Color, MapKind::Roughness, MapKind::Normal, MapKind::Iridescence];
     let plan = Plan::new(&graph, &kinds, domain, None).expect("it fits");
     let id = SetId {
@@ -115,8 +116,9 @@ fn a_preview_of_maps_comes_near_where_pixels_have_samples_and_a_thicker_film_doe
         ..Inputs::default()
     };
     let mut scene = Scene::build(&spec, &inputs).expect("it can be built");
-    let size = [160, 120];
-    let settings = direct_light(size);
+    let size = [120, 90];
+    // The noise of the truth counts, too: its FLIP against one of another seed is 0.011.
+    let settings = direct_light(size, 1024);
     let traced = |scene: &Scene, settings: &Settings| {
         reference::Renderer::new(scene).expect("a sound scene").render(settings, Control::default())
     };
@@ -146,15 +148,15 @@ fn a_preview_of_maps_comes_near_where_pixels_have_samples_and_a_thicker_film_doe
             errors.add(texels[i].map(f64::from), truth[i].map(f64::from));
             sum += f64::from(seen[i]);
         }
-        assert!(errors.count() > 15_000, "{}", errors.count());
+        assert!(errors.count() > 9_000, "{}", errors.count());
         (errors.delta_e_mean(), sum / errors.count() as f64)
     };
-    let (right, right_flip) = apart(&scene, 64);
+    let (right, right_flip) = apart(&scene, SAMPLES);
     let (once, once_flip) = apart(&scene, 1);
     assert!(right <= MOST && right_flip <= MOST_FLIP, "{right} {right_flip}");
     let maps = Arc::make_mut(scene.materials[0].maps.as_mut().expect("maps"));
     maps.texels.iter_mut().for_each(|t| t.thickness_nm *= 1.05);
-    let (wrong, wrong_flip) = apart(&scene, 64);
+    let (wrong, wrong_flip) = apart(&scene, SAMPLES);
     assert!(once > MOST && once_flip > MOST_FLIP, "{once} {once_flip}");
     assert!(wrong > MOST && wrong_flip > MOST_FLIP, "{wrong} {wrong_flip}");
 }
@@ -244,6 +246,34 @@ fn the_command_draws_and_tells_what_it_did() {
     let run = preview(dir.path(), true, &args);
     assert_eq!(run.code, Some(0), "{}", run.err);
     assert!(run.out.contains("sky_none") && !run.out.contains("environment"), "{}", run.out);
+}
+
+/// In a hundred times the daylight the mean picture is as bright where the exposure is metered, and only there; a lens is a pass
+/// where it spreads light, and only there.
+#[test]
+fn the_exposure_follows_the_light_and_the_lens_is_asked_for() {
+    if gpu().is_none() {
+        return;
+    }
+    let dir = tempfile::tempdir().expect("a folder");
+    let mean = |metering: &str, strength: &str, bloom: &str| {
+        let settings = [
+            format!("render.metering={metering}"),
+            format!("environment.strength={strength}"),
+            format!("render.bloom={bloom}"),
+        ];
+        let mut args = vec!["python_regius", "-o", "a.png", "--explain"];
+        settings.iter().for_each(|s| args.extend(["--scene-set", s]));
+        let run = preview(dir.path(), true, &args);
+        assert_eq!(run.code, Some(0), "{}", run.err);
+        assert_eq!(run.out.contains("bloom"), bloom != "0.0", "{}", run.out);
+        let pixels = image::open(dir.path().join("a.png")).expect("a PNG").to_rgb8();
+        pixels.iter().map(|v| f64::from(*v)).sum::<f64>() / pixels.len() as f64
+    };
+    let (dim, bright) = (mean("average", "0.05", "0.0"), mean("average", "5.0", "0.2"));
+    assert!((dim - bright).abs() < 25.0, "{dim} {bright}");
+    let (dim, bright) = (mean("manual", "0.05", "0.0"), mean("manual", "5.0", "0.0"));
+    assert!(bright - dim > 50.0, "{dim} {bright}");
 }
 
 #[test]
