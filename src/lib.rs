@@ -64,10 +64,12 @@
 //! | `preview` | the picture now: a scene drawn on a GPU (feature `preview`) | `base` `optics` `scene` |
 //! | `reference` | ground truth: a spectral path tracer (feature `render`) | `base` `optics` `scene` |
 //! | `report` | what every shortcut costs: errors against times, as a page (feature `render`) | `base` `optics` `node` `graph` `plan` `eval` `maps` `io` `scene` `preview` `reference` |
+//! | `viewer` | the window: a snake that turns, and sliders (feature `viewer`) | `base` `preset` `graph` `plan` `eval` `maps` `scene` `preview` |
 //! | `cli` | the command (feature `cli`); imported by nothing | all of them |
 //!
-//! Files are touched in `io` and `cli` only, the environment in `cli`, a clock in `cli` and `report`. `cli`
-//! makes the threads; every other room works on the rayon pool that calls it. `preview` asks drivers.
+//! Files are touched in `io` and `cli` only, the environment in `cli`, a clock in `cli`, `report` and `viewer`. `cli`
+//! makes the threads, and `viewer` those that keep its window free; every other room works on the rayon pool that calls it.
+//! `preview` asks drivers.
 //!
 //! # Where things are decided
 //!
@@ -84,7 +86,8 @@
 //! # Features
 //!
 //! `cli` (default) is the command and needs `files`, which is PNG, OpenEXR and manifests, and `render`, which is scenes, the
-//! path tracer and the reports; `preview` (default) draws on a GPU and is what takes longest to build. Without any, the library touches no file system and also builds for
+//! path tracer and the reports; `preview` (default) draws on a GPU and is what takes longest to build, but for
+//! `viewer`, the window. Without any, the library touches no file system and also builds for
 //! WebAssembly.
 #![warn(unreachable_pub)]
 
@@ -109,3 +112,5 @@ pub mod report;
 #[cfg(feature = "render")]
 pub mod scene;
 pub mod skin;
+#[cfg(feature = "viewer")]
+pub mod viewer;

@@ -125,7 +125,7 @@ impl Preset {
     }
 
     /// Read the image files of a graph into it; every one that cannot be read is an error at the place that names it.
-    fn load_assets(&self, graph: &mut Graph) -> Result<(), PresetError> {
+    pub(super) fn load_assets(&self, graph: &mut Graph) -> Result<(), PresetError> {
         let files: Vec<String> = graph.files().into_iter().map(str::to_owned).collect();
         match io::load_assets(files.iter().map(String::as_str), &self.folder) {
             Ok(assets) => {

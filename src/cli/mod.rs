@@ -26,6 +26,8 @@ mod signal;
 mod stage;
 mod trace;
 mod verify;
+#[cfg(feature = "viewer")]
+mod view;
 
 use clap::Parser as _;
 
@@ -65,6 +67,13 @@ fn dispatch(verb: &Verb) -> Result<Exit, Failure> {
         Verb::Verify(args) => verify::run(args),
         #[cfg(feature = "preview")]
         Verb::Preview(args) => preview::run(args),
+        #[cfg(feature = "viewer")]
+        Verb::View(args) => view::run(args),
+        #[cfg(not(feature = "viewer"))]
+        Verb::View(_) => Err(Failure::usage(
+            "this build of ophidian has no window",
+            "cargo install --path . --features viewer",
+        )),
         Verb::Render(args) => render_scene::run(args),
         Verb::Film(args) => film::run(args),
         Verb::Report(args) => report::run(args),

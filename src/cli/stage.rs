@@ -23,7 +23,7 @@ use crate::scene::{EnvironmentImage, Mesh, Scene, SkinMaps};
 /// A scene's text with the picture of its environment.
 pub(super) struct SceneText {
     pub(super) spec: SceneSpec,
-    picture: Option<Arc<EnvironmentImage>>,
+    pub(super) picture: Option<Arc<EnvironmentImage>>,
 }
 
 /// Reads scenes from files, and from the binary where there is no such file.

@@ -431,3 +431,11 @@ fn what_a_file_cannot_hold_is_warned_of() {
     let made = in_folder(&dir, &["generate", "snake.toml", "--size", "8", "--set", range]);
     assert_eq!((made.code, made.err.as_str()), (Some(0), ""));
 }
+
+/// The window is opt-in: the verb is there, and says how to get it.
+#[cfg(not(feature = "viewer"))]
+#[test]
+fn a_build_without_the_window_says_how_to_get_it() {
+    let dir = folder(PRESET);
+    refused(&dir, &["view", "snake.toml"], 2, &["this build of ophidian has no window", "--features viewer"]);
+}

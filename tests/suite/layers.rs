@@ -20,7 +20,7 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("export", &["maps", "io"]),
     ("scene", &["optics", "preset", "maps"]),
     ("preview", &["optics", "scene"]),
-    ("viewer", &["optics", "maps", "scene", "preview"]),
+    ("viewer", &["preset", "graph", "plan", "eval", "maps", "scene", "preview"]),
     ("reference", &["optics", "scene"]),
     ("report", &["optics", "node", "graph", "plan", "eval", "maps", "io", "scene", "preview", "reference"]),
     // The attic imports everything and is imported by nothing.

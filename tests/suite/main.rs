@@ -22,3 +22,5 @@ mod series;
 mod slabs;
 mod species;
 mod tiling;
+#[cfg(feature = "viewer")]
+mod view;

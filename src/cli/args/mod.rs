@@ -7,6 +7,7 @@ mod preview;
 mod render;
 mod report;
 mod size;
+mod view;
 
 use std::path::PathBuf;
 
@@ -22,12 +23,14 @@ pub(super) use preview::{BackendArg, Preview};
 pub(super) use render::{Render, StageArg, TransportArg};
 pub(super) use report::{Report, ReportKind};
 pub(super) use size::SizeArg;
+pub(super) use view::View;
 
 const EXAMPLES: &str = "Examples:
   ophidian generate lampropeltis_triangulum -o out
   ophidian generate my_snake.toml --size 4096 --maps five --normal both
   ophidian generate \"milk snake\" --seeds 0..50 --set scales.overlap=0.4 --json
   ophidian preview lampropeltis_triangulum -o milk_snake.png
+  ophidian view my_snake.toml
   ophidian check my_snake.toml
   ophidian graph my_snake.toml --format dot | dot -Tsvg -o graph.svg
   ophidian nodes worley";
@@ -61,6 +64,8 @@ pub(super) enum Verb {
     /// Draw a skin on the subject of a scene on a graphics adapter, now.
     #[cfg(feature = "preview")]
     Preview(Box<Preview>),
+    /// Open a window: a skin on a snake that turns, with sliders for everything that its preset says.
+    View(Box<View>),
     /// Render a skin on the subject of a scene by path tracing: the ground truth.
     Render(Box<Render>),
     /// Compute what a thin film reflects: one film, or the rows of a table.
