@@ -99,8 +99,8 @@ mod tests {
 
     #[test]
     fn colours_are_encoded_and_normals_are_moved_into_range() {
-        assert_eq!(pixels(&map(MapKind::Color, &[0.0, 0.214_041, 1.0]), Channel::All), [0, 128, 255]);
-        assert_eq!(pixels(&map(MapKind::Color, &[0.0, 0.214_041, 1.0]), Channel::One(1)), [128; 3]);
+        assert_eq!(pixels(&map(MapKind::Color, &[0.0, 0.215_861, 1.0]), Channel::All), [0, 128, 255]);
+        assert_eq!(pixels(&map(MapKind::Color, &[0.0, 0.215_861, 1.0]), Channel::One(1)), [128; 3]);
         assert_eq!(pixels(&map(MapKind::Normal, &[-1.0, 0.0, 1.0]), Channel::All), [0, 128, 255]);
     }
 

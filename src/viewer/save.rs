@@ -86,10 +86,16 @@ fn make<'t>(root: &'t mut Table, parts: &[&str]) -> Option<&'t mut Item> {
     let mut way = way.iter().peekable();
     while let Some(part) = way.next() {
         let item = table.entry(part).or_insert_with(|| Item::Table(section()));
-        table = match way.next_if(|next| next.parse::<usize>().is_ok()) {
-            Some(index) => item.get_mut(index.parse::<usize>().ok()?)?.as_table_like_mut()?,
-            None => item.as_table_like_mut()?,
+        let item = match way.next_if(|next| next.parse::<usize>().is_ok()) {
+            Some(index) => item.get_mut(index.parse::<usize>().ok()?)?,
+            None => item,
         };
+        // What is added to a table in one line gets the spaces of its neighbours.
+        let inline = item.as_inline_table_mut().filter(|_| way.peek().is_none());
+        if let Some(inline) = inline.filter(|inline| !inline.contains_key(last)) {
+            inline.fmt();
+        }
+        table = item.as_table_like_mut()?;
     }
     Some(table.entry(last).or_insert(Item::None))
 }

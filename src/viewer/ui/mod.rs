@@ -240,7 +240,7 @@ impl App {
 
     /// Keys that are pressed while nothing is typed.
     fn keys(&mut self, ctx: &Context) -> Option<Wish> {
-        if self.dialog.is_some() || ctx.egui_wants_keyboard_input() {
+        if self.dialog.is_some() || ctx.text_edit_focused() {
             return None;
         }
         let mut wish = None;

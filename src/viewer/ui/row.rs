@@ -147,6 +147,8 @@ fn number(
         visuals.widgets.inactive.fg_stroke = Stroke::new(2.0, handle);
         visuals.widgets.hovered.fg_stroke = Stroke::new(2.0, theme::TEXT);
         visuals.widgets.active.fg_stroke = Stroke::new(2.0, theme::ACCENT);
+        // The handle's size follows.
+        ui.spacing_mut().interact_size.y = 16.0;
         ui.add(slider)
     });
     let slid = slid.inner;
