@@ -336,17 +336,24 @@ impl Bands<'_> {
     /// Put what the first `n` texels of a block have found.
     #[inline(always)]
     fn put(&mut self, b: &Block, first: usize, n: usize) {
-        let (mut edge, mut id) = ([0.0; LANES], [0.0; LANES]);
-        for l in 0..LANES {
-            edge[l] = b.f2[l] - b.f1[l];
-            id[l] = hash::unit(hash::pcg(b.id[l]));
-        }
-        for (band, found) in
-            [(&mut *self.f1, &b.f1), (&mut *self.f2, &b.f2), (&mut *self.edge, &edge), (&mut *self.id, &id)]
-        {
+        for (band, found) in [(&mut *self.f1, &b.f1), (&mut *self.f2, &b.f2)] {
             if !band.is_empty() {
                 put_lanes(found, &mut band[first..first + n]);
             }
+        }
+        if !self.edge.is_empty() {
+            let mut edge = [0.0; LANES];
+            for l in 0..LANES {
+                edge[l] = b.f2[l] - b.f1[l];
+            }
+            put_lanes(&edge, &mut self.edge[first..first + n]);
+        }
+        if !self.id.is_empty() {
+            let mut id = [0.0; LANES];
+            for l in 0..LANES {
+                id[l] = hash::unit(hash::pcg(b.id[l]));
+            }
+            put_lanes(&id, &mut self.id[first..first + n]);
         }
     }
 }
