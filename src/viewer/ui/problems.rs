@@ -11,6 +11,9 @@ use crate::viewer::problem::{Place, Problem};
 /// Problems that are shown; the rest is counted.
 const SHOWN: usize = 12;
 
+/// Height of a problem with its line and its help.
+const CARD: f32 = 84.0;
+
 /// Show problems below the picture; nothing where there are none.
 pub(super) fn show(ui: &mut Ui, problems: &[Problem]) {
     if problems.is_empty() {
@@ -18,7 +21,7 @@ pub(super) fn show(ui: &mut Ui, problems: &[Problem]) {
     }
     Panel::bottom("problems")
         .resizable(false)
-        .max_size(240.0)
+        .exact_size((44.0 + CARD * problems.len() as f32).min(240.0))
         .show_separator_line(false)
         .frame(theme::panel(vec2(12.0, 8.0)))
         .show(ui, |ui| {
@@ -26,7 +29,7 @@ pub(super) fn show(ui: &mut Ui, problems: &[Problem]) {
                 let text = "The last good skin is shown until this is mended.";
                 ui.label(RichText::new(text).small().color(theme::WEAK));
             }
-            ScrollArea::vertical().max_height(190.0).auto_shrink([false, true]).show(ui, |ui| {
+            ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
                 for problem in problems.iter().take(SHOWN) {
                     card(ui, problem);
                 }
