@@ -18,10 +18,10 @@ const WAYS: [(Technique, SamplerKind); 4] = [
     (Technique::Mis, SamplerKind::Sobol),
 ];
 
-/// Share of the report's time that the truth takes, about: it has twice the samples of all other pictures.
-const TRUTH: f32 = 0.67;
-/// Most pictures that an error is the mean of.
-const MOST_PICTURES: u32 = 16;
+/// Share of the report's time that the truth takes, about: it has more samples than all other pictures.
+const TRUTH: f32 = 0.57;
+/// Share of the rest that the ways take; the shortcuts have fewer pictures.
+const WAYS_SHARE: f32 = 0.87;
 
 /// Pictures of some settings against the truth.
 struct Point {
@@ -44,9 +44,11 @@ pub fn report(scene: &Scene, effort: Effort, watch: Watch<'_>) -> Result<Report,
         "A path tracer follows light at random, so its pictures have noise, and noise has a price: half of it costs four \
          times the samples. This page measures the price. The scene was rendered at {width} x {height} pixels in several ways, \
          and each picture compared with one of {truth} samples per pixel with other random numbers. MSE is the mean square \
-         difference over all pixels and channels, linear, white paper in the sun being 1, and the mean of up to {MOST_PICTURES} \
-         pictures, the fewer samples the more, so that one bright speck does not tilt a line. Seconds are those of one picture \
-         in this run on this machine."
+         difference over all pixels and channels, linear, white paper in the sun being 1. All points of a line have the same \
+         {together} samples per pixel, dealt out to more or to fewer pictures, so that rare bright specks count alike \
+         everywhere and do not tilt the line; the MSE is the mean over these pictures. Seconds are those of one picture in this \
+         run on this machine.",
+        together = 2 * most
     ));
     watch(0.0, "the truth");
     let settings = Settings { samples: truth, seed: 77, ..base };
@@ -75,8 +77,7 @@ pub fn report(scene: &Scene, effort: Effort, watch: Watch<'_>) -> Result<Report,
         &["way", "numbers", "slope over samples", "slope over seconds"],
     );
     let mut summary = String::new();
-    // The shortcuts take about half as long as the ways together.
-    let step = |i: usize| TRUTH + (1.0 - TRUTH) * 0.67 * i as f32 / WAYS.len() as f32;
+    let step = |i: usize| TRUTH + (1.0 - TRUTH) * WAYS_SHARE * i as f32 / WAYS.len() as f32;
     for (i, &(technique, sampler)) in WAYS.iter().enumerate() {
         watch(step(i), technique.name());
         let points = points(&renderer, &Settings { technique, sampler, ..base }, most, &exact);
@@ -121,9 +122,9 @@ pub fn report(scene: &Scene, effort: Effort, watch: Watch<'_>) -> Result<Report,
         "\"BSDF sampling\" sends paths where the surface likes to reflect and hopes that they meet a light; \"next-event \
          estimation\" asks a light at every surface; the last way does both and weighs them by how likely each was \
          (multiple importance sampling). Independent samples err with a slope of -1: twice as many, half the MSE. Sobol \
-         points are spread evenly, and are better from the start or by slope. A slope that is far from -1 on independent \
-         samples tells of rare bright paths, such as a sun that is mirrored onto the ground: no such number of samples \
-         averages them well, and the truth of this page has their noise, too.",
+         points are spread evenly, and are better from the start or by slope. Slopes over seconds are steeper where pictures of \
+         few samples spend their time on the start of each. A slope over samples that is far from -1 on independent ones tells \
+         of rare bright paths, such as a sun that is mirrored onto the ground: the truth of this page has their noise, too.",
     );
     let mut plot = Plot::new("Error against samples", Axis::log("samples per pixel"), Axis::log("MSE"));
     plot.series = by_samples;
@@ -140,17 +141,17 @@ pub fn report(scene: &Scene, effort: Effort, watch: Watch<'_>) -> Result<Report,
     Ok(Report { page, name: "convergence", summary, failures: Vec::new() })
 }
 
-/// Pictures of more and more samples: of few samples the more pictures, so that specks count alike.
+/// Pictures of more and more samples, the last of `most`; all points have the same samples, in more or in fewer pictures.
 fn points(renderer: &Renderer<'_>, settings: &Settings, most: u32, exact: &Film) -> Vec<Point> {
     std::iter::successors(Some(1), |n| Some(n * 4))
         .take_while(|n| *n <= most)
         .map(|samples| {
-            let pictures = (2 * most / samples).min(MOST_PICTURES);
+            let pictures = 2 * most / samples;
             let (mut sum, mut seconds) = (0.0, 0.0);
             for i in 0..pictures {
-                let settings = Settings { samples, seed: settings.seed + i, ..*settings };
+                let mut film = Film::new(settings.width, settings.height);
                 let start = Instant::now();
-                let film = renderer.render(&settings, Control::default());
+                renderer.refine(&mut film, settings, i * samples..(i + 1) * samples, Control::default());
                 seconds += start.elapsed().as_secs_f64();
                 sum += mse(&film, exact);
             }
