@@ -38,14 +38,7 @@ fn plan(graph: &Graph) -> Plan {
 
 fn texture_set(graph: &Graph, plan: &Plan) -> TextureSet {
     let evaluation = eval::run(plan, Control::default()).expect("nobody cancels");
-    let id = SetId {
-        domain: plan.domain,
-        preset: graph.name.clone(),
-        seed: graph.seed,
-        preset_hash: [0; 32],
-        optics: graph.optics,
-    };
-    assemble(evaluation, id)
+    assemble(evaluation, SetId::new(graph, plan.domain))
 }
 
 fn presets(c: &mut Criterion) {

@@ -19,16 +19,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let domain = Domain::from_longer_side(128, graph.girth_mm, graph.length_mm);
         let plan = Plan::new(&graph, &MapKind::ALL, domain, None)?;
         let evaluation = eval::run(&plan, eval::Control::default())?;
-        let set = assemble(
-            evaluation,
-            SetId {
-                domain,
-                preset: (*name).to_owned(),
-                seed: graph.seed,
-                preset_hash: [0; 32],
-                optics: graph.optics,
-            },
-        );
+        let set = assemble(evaluation, SetId::new(&graph, domain));
         for (kind, map) in &set.maps {
             let hash: String = plane_hash(map).iter().map(|b| format!("{b:02x}")).collect();
             println!("{hash}  {name} {kind}");

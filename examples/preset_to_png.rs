@@ -28,16 +28,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("{} steps, {} MiB at most", plan.steps.len(), plan.peak_bytes >> 20);
 
     let evaluation = eval::run(&plan, eval::Control::default())?;
-    let set = assemble(
-        evaluation,
-        SetId {
-            domain,
-            preset: graph.name.clone(),
-            seed: graph.seed,
-            preset_hash: graph::preset_hash(&graph),
-            optics: graph.optics,
-        },
-    );
+    let set = assemble(evaluation, SetId::new(&graph, domain));
     for entry in write_set(&set, Path::new(&directory), &WriteOptions::default(), &|_| {})? {
         println!("{directory}/{}", entry.file);
     }

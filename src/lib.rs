@@ -58,7 +58,7 @@
 //! | [`graph`] | meaning: everything resolved and checked; JSON Schema, reference pages, drawings | `base` `optics` `node` `preset` `skin` |
 //! | [`plan`] | what is needed: live steps, fused, with buffers and bytes | `base` `node` `graph` |
 //! | [`eval`] | doing it: the only loops over whole planes | `base` `node` `plan` |
-//! | [`maps`] | the texture set, and its values as integers | `base` `optics` `eval` |
+//! | [`maps`] | the texture set, and its values as integers | `base` `optics` `graph` `eval` |
 //! | `io` | files: PNG, OpenEXR, manifest, all or nothing (feature `files`) | `base` `optics` `node` `maps` |
 //! | `scene` | what renderers see: meshes, materials, lights, cameras (feature `render`) | `base` `optics` `preset` `maps` |
 //! | `preview` | the picture now: a scene drawn on a GPU (feature `preview`) | `base` `optics` `scene` |

@@ -142,13 +142,7 @@ impl Skin {
         let control = Control { cancel: Some(stop), progress: Some(&told), watch: None };
         let evaluation =
             pool.install(|| eval::run(&plan, control)).map_err(|_| Failure::Told(Exit::Interrupted))?;
-        let id = SetId {
-            domain,
-            preset: graph.name.clone(),
-            seed: graph.seed,
-            preset_hash: crate::graph::preset_hash(&graph),
-            optics: graph.optics,
-        };
+        let id = SetId::new(&graph, domain);
         Ok(Self { name: graph.name, maps: Arc::new(assemble(evaluation, id)) })
     }
 }

@@ -86,13 +86,7 @@ fn rebuild(args: &Verify) -> Result<bool, Failure> {
 fn differing(set: &SetRecord, graph: &Graph, args: &Verify) -> Result<Vec<String>, Failure> {
     let [width, height] = set.size;
     let domain = Domain { width, height, girth_mm: graph.girth_mm, length_mm: graph.length_mm };
-    let id = SetId {
-        domain,
-        preset: graph.name.clone(),
-        seed: graph.seed,
-        preset_hash: graph::preset_hash(graph),
-        optics: graph.optics,
-    };
+    let id = SetId::new(graph, domain);
     let mut wanted: Vec<MapKind> = set.files.iter().flat_map(|f| &f.maps).map(|m| m.map).collect();
     wanted.sort();
     wanted.dedup();

@@ -26,6 +26,7 @@ pub use encode::{Depth, EncodeOptions, MapTold, QuantError, Quantiser, RowTold, 
 pub use hash::plane_hash;
 
 use crate::base::{Domain, MapKind, Plane};
+use crate::graph::{self, Graph};
 use crate::optics::SkinOptics;
 
 /// Which way the green channel of a normal map points.
@@ -142,6 +143,19 @@ pub struct SetId {
     pub preset_hash: [u8; 32],
     /// What the skin is made of besides its maps.
     pub optics: SkinOptics,
+}
+
+impl SetId {
+    /// The set that a graph makes on a grid.
+    pub fn new(graph: &Graph, domain: Domain) -> Self {
+        Self {
+            domain,
+            preset: graph.name.clone(),
+            seed: graph.seed,
+            preset_hash: graph::preset_hash(graph),
+            optics: graph.optics,
+        }
+    }
 }
 
 /// The maps of one preset and seed, all on one grid, registered to each other.

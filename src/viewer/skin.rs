@@ -112,14 +112,7 @@ pub(super) fn evaluate(
     let plan = Plan::new(graph, &maps, domain, memory)
         .map_err(|e| vec![Problem::plain(e.to_string(), "choose smaller maps")])?;
     let Ok(evaluation) = eval::run(&plan, control) else { return Ok(None) };
-    let id = SetId {
-        domain,
-        preset: graph.name.clone(),
-        seed: graph.seed,
-        preset_hash: graph::preset_hash(graph),
-        optics: graph.optics,
-    };
-    Ok(Some(assemble(evaluation, id)))
+    Ok(Some(assemble(evaluation, SetId::new(graph, domain))))
 }
 
 fn make(

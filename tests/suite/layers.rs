@@ -14,7 +14,7 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("graph", &["optics", "node", "preset", "skin"]),
     ("plan", &["node", "graph"]),
     ("eval", &["node", "plan"]),
-    ("maps", &["optics", "eval"]),
+    ("maps", &["optics", "graph", "eval"]),
     // Files become textures of a graph, too.
     ("io", &["optics", "node", "maps"]),
     ("export", &["maps", "io"]),

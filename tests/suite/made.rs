@@ -43,9 +43,7 @@ pub(crate) fn domain(graph: &Graph, longer: usize) -> Domain {
 pub(crate) fn make(graph: &Graph, wanted: &[MapKind], domain: Domain) -> TextureSet {
     let plan = Plan::new(graph, wanted, domain, None).expect("a plan");
     let made = eval::run(&plan, Control::default()).expect("nobody cancels");
-    let preset_hash = graph::preset_hash(graph);
-    let (preset, optics) = (graph.name.clone(), graph.optics);
-    assemble(made, SetId { domain, preset, seed: graph.seed, preset_hash, optics })
+    assemble(made, SetId::new(graph, domain))
 }
 
 /// Every built-in preset at 256, all maps, all with a film.

@@ -88,6 +88,10 @@ fn a_preview_is_the_path_tracers_picture_of_direct_light() {
 
 /// With maps, too, where pixels have the samples that bumps smaller than a pixel need: CIEDE2000 and FLIP. With one sample both
 /// bounds fail, and with a film 5 % thicker as well.
+///
+/// The bound on FLIP is that of this case, with as many texels to a pixel as the command has unless told otherwise. Others come
+/// near and miss it: 0.0239 for `xenopeltis_unicolor` here, 0.0232 with maps of 512 at 96 x 72. CIEDE2000 held in all that
+/// were tried.
 #[test]
 fn a_preview_of_maps_is_that_picture_where_pixels_have_samples_and_with_a_thicker_film_is_not() {
     const MOST: f64 = 1.0;
@@ -100,14 +104,8 @@ fn a_preview_of_maps_is_that_picture_where_pixels_have_samples_and_with_a_thicke
     let domain = Domain::from_longer_side(192, graph.girth_mm, graph.length_mm);
     let kinds = [MapKind::Color, MapKind::Roughness, MapKind::Normal, MapKind::Iridescence];
     let plan = Plan::new(&graph, &kinds, domain, None).expect("it fits");
-    let id = SetId {
-        domain,
-        preset: graph.name.clone(),
-        seed: graph.seed,
-        preset_hash: graph::preset_hash(&graph),
-        optics: graph.optics,
-    };
-    let set = assemble(eval::run(&plan, eval::Control::default()).expect("not cancelled"), id);
+    let made = eval::run(&plan, eval::Control::default()).expect("not cancelled");
+    let set = assemble(made, SetId::new(&graph, domain));
     let mut spec = builtin::scene("coil").expect("a built-in scene");
     spec.subject.triangles = 8000;
     let inputs = Inputs {

@@ -15,7 +15,7 @@ use crate::cli::exit::{Exit, Failure};
 use crate::cli::progress::Progress;
 use crate::cli::render;
 use crate::eval::{self, Control, MapRows, Stopped};
-use crate::graph::{self, Graph};
+use crate::graph::Graph;
 use crate::io::{IoError, ManifestEntry, MapHead, Output, Parts, SetWriter, Staged, WriteOptions};
 use crate::maps::{MapImage, NormalFormat, SetId};
 use crate::plan::{Order, Plan, Slabs};
@@ -91,14 +91,7 @@ impl<'a> Maker<'a> {
         slabs: Option<&Slabs>,
         scope: &Scope<'s>,
     ) -> Result<Evaluated<'a>, Failure> {
-        let graph = &set.graph;
-        let id = SetId {
-            domain: set.domain,
-            preset: graph.name.clone(),
-            seed: graph.seed,
-            preset_hash: graph::preset_hash(graph),
-            optics: graph.optics,
-        };
+        let id = SetId::new(&set.graph, set.domain);
         // Names and directory are refused before the work is done.
         let writer = SetWriter::new(&self.args.output, id.clone(), set.wanted.iter().copied(), self.options)?
             .watched_by(self.watch);
