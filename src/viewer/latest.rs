@@ -137,7 +137,7 @@ mod tests {
             std::thread::spawn(move || std::iter::from_fn(|| place.take()).last())
         };
         place.put("work");
-        while !place.lock().request.is_none() {
+        while place.lock().request.is_some() {
             std::thread::yield_now();
         }
         place.close();
