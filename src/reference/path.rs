@@ -3,7 +3,7 @@
 use fearless_simd::Simd;
 use glam::Vec3;
 
-use super::bvh::{Bvh, Hit, Stack};
+use super::bvh::{Bvh, Hit, Stack, TOGETHER};
 use super::film::Pixel;
 use super::lights::{Found, Lights};
 use super::sampler::Samplers;
@@ -44,25 +44,25 @@ impl World<'_> {
     /// What rays from the eye meet: an object, or light, whose colour needs no wavelengths. `objects` is false where they
     /// are known to meet none.
     #[inline(always)]
-    pub(super) fn first<S: Simd, const N: usize>(
+    pub(super) fn first<S: Simd>(
         &self,
         simd: S,
         stack: &mut Stack,
-        origins: &[Vec3; N],
-        directions: &[Vec3; N],
+        origins: &[Vec3; TOGETHER],
+        directions: &[Vec3; TOGETHER],
         objects: bool,
-    ) -> [Result<Hit, [f32; 3]>; N] {
-        let mut hits = [None; N];
+    ) -> [Result<Hit, [f32; 3]>; TOGETHER] {
+        let mut hits = [None; TOGETHER];
         if objects {
             hits = self.bvh.first_hits(simd, stack, origins, directions);
         }
-        let mut limits = [f32::INFINITY; N];
-        for i in 0..N {
+        let mut limits = [f32::INFINITY; TOGETHER];
+        for i in 0..TOGETHER {
             limits[i] = hits[i].map_or(f32::INFINITY, |h| h.distance);
         }
         let lights = self.lights.seen(origins, directions, &limits);
-        let mut met = [Err([0.0; 3]); N];
-        for i in 0..N {
+        let mut met = [Err([0.0; 3]); TOGETHER];
+        for i in 0..TOGETHER {
             met[i] = match (lights[i], hits[i]) {
                 (Some(light), _) => Err(light),
                 (None, Some(hit)) => Ok(hit),

@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use fearless_simd::{Level, Simd};
 use rayon::prelude::*;
 
-use super::bvh::Bvh;
+use super::bvh::{Bvh, TOGETHER};
 use super::film::{Film, Pixel};
 use super::lights::Lights;
 use super::path::{Channels, Walk, World};
@@ -27,9 +27,6 @@ const TILE: usize = 16;
 const WAVELENGTHS: usize = 4;
 /// Most samples of a pixel before the next pixel has its turn: each pass fetches all triangles from memory again.
 const PASS: u32 = 16;
-
-/// Samples of a pixel whose first rays are followed together.
-const TOGETHER: usize = 8;
 
 /// What a caller can say while a picture is made.
 #[derive(Clone, Copy, Default)]

@@ -7,7 +7,8 @@
 mod tree;
 mod triangles;
 
-use fearless_simd::Simd;
+use fearless_simd::prelude::*;
+use fearless_simd::{f32x8, u32x8};
 use glam::{Vec3, Vec3A};
 use obvhs::BvhBuildParams;
 use obvhs::bvh2::builder::build_bvh2_from_tris;
@@ -16,6 +17,9 @@ use obvhs::triangle::Triangle;
 use self::tree::{Beam, Link, Ray, Tree};
 use self::triangles::{LANES, Leaf};
 use crate::scene::{Mesh, Object};
+
+/// Rays that are followed together: the lanes of a vector.
+pub(super) const TOGETHER: usize = 8;
 
 /// The triangles of a scene, sorted for rays.
 pub(super) struct Bvh {
@@ -74,6 +78,38 @@ struct Nearest {
     limit: f32,
     /// Lane of the leaves, counted through.
     lane: Option<usize>,
+}
+
+/// What the rays of a beam have met so far.
+struct Nearests<S: Simd> {
+    /// Distances; infinite where nothing is met.
+    limits: f32x8<S>,
+    /// Lanes of the leaves, counted through; `u32::MAX` for none.
+    ids: u32x8<S>,
+    /// Of the second and the third corner.
+    weights: [f32x8<S>; 2],
+}
+
+impl<S: Simd> Nearests<S> {
+    #[inline(always)]
+    fn new(simd: S) -> Self {
+        Self {
+            limits: f32x8::splat(simd, f32::INFINITY),
+            ids: u32x8::splat(simd, u32::MAX),
+            weights: [f32x8::splat(simd, 0.0); 2],
+        }
+    }
+
+    /// How far the ray sees that sees the farthest.
+    #[inline(always)]
+    fn farthest(&self) -> f32 {
+        let limits: [f32; TOGETHER] = self.limits.into();
+        let mut most = limits[0];
+        for limit in limits {
+            most = most.max(limit);
+        }
+        most
+    }
 }
 
 impl Stack {
@@ -158,30 +194,31 @@ impl Bvh {
             };
             next = next.or_else(|| stack.pop_within(nearest.limit));
         }
-        self.hit(&ray, nearest)
+        let id = nearest.lane?;
+        Some(self.hit(id, nearest.limit, self.leaves[id / LANES].weights(id % LANES, &ray)))
     }
 
     /// [`Bvh::first_hit`] of several rays: of those from one point in the fewer steps, the less they spread.
     #[inline(always)]
-    pub(super) fn first_hits<S: Simd, const N: usize>(
+    pub(super) fn first_hits<S: Simd>(
         &self,
         simd: S,
         stack: &mut Stack,
-        origins: &[Vec3; N],
-        directions: &[Vec3; N],
-    ) -> [Option<Hit>; N] {
-        let mut hits = [None; N];
-        let mut rays = [Ray::new(Vec3::ZERO, Vec3::Z); N];
-        for i in 0..N {
+        origins: &[Vec3; TOGETHER],
+        directions: &[Vec3; TOGETHER],
+    ) -> [Option<Hit>; TOGETHER] {
+        let mut hits = [None; TOGETHER];
+        let mut rays = [Ray::new(Vec3::ZERO, Vec3::Z); TOGETHER];
+        for i in 0..TOGETHER {
             rays[i] = Ray::new(origins[i], directions[i]);
         }
         let Some(beam) = Beam::new(&rays) else {
-            for i in 0..N {
+            for i in 0..TOGETHER {
                 hits[i] = self.first_hit(simd, stack, origins[i], directions[i], f32::INFINITY);
             }
             return hits;
         };
-        let mut nearest = [Nearest { limit: f32::INFINITY, lane: None }; N];
+        let mut nearest = Nearests::new(simd);
         // Of the ray that sees the farthest.
         let mut limit = f32::INFINITY;
         stack.used = 0;
@@ -190,20 +227,48 @@ impl Bvh {
             next = match link.leaf() {
                 None => self.tree.nodes[link.node()].visit_beam(simd, &beam, limit, stack),
                 Some(index) => {
-                    limit = 0.0;
-                    for i in 0..N {
-                        self.meet(simd, index, &rays[i], &mut nearest[i]);
-                        limit = limit.max(nearest[i].limit);
-                    }
+                    self.meet_all(simd, index, &beam, &mut nearest);
+                    limit = nearest.farthest();
                     None
                 }
             };
             next = next.or_else(|| stack.pop_within(limit));
         }
-        for i in 0..N {
-            hits[i] = self.hit(&rays[i], nearest[i]);
+        let (limits, [u, v]): ([f32; TOGETHER], [[f32; TOGETHER]; 2]) =
+            (nearest.limits.into(), nearest.weights.map(Into::into));
+        let ids: [u32; TOGETHER] = nearest.ids.into();
+        for i in 0..TOGETHER {
+            if ids[i] != u32::MAX {
+                hits[i] = Some(self.hit(ids[i] as usize, limits[i], [u[i], v[i]]));
+            }
         }
         hits
+    }
+
+    /// Note what the rays of a beam meet in a leaf.
+    #[inline(always)]
+    fn meet_all<S: Simd>(&self, simd: S, index: usize, beam: &Beam, nearest: &mut Nearests<S>) {
+        for lane in 0..LANES {
+            let id = index * LANES + lane;
+            let [t, u, v] = self.leaves[index].intersect_all(simd, lane, beam.origin, &beam.directions);
+            let nearer = t.simd_lt(nearest.limits);
+            let level = t.simd_eq(nearest.limits) & t.simd_lt(f32x8::splat(simd, f32::INFINITY));
+            let nearer = if level.any_true() { nearer | (level & self.listed_before(simd, id, nearest)) } else { nearer };
+            nearest.limits = nearer.select(t, nearest.limits);
+            nearest.ids = nearer.select(u32x8::splat(simd, id as u32), nearest.ids);
+            nearest.weights = [nearer.select(u, nearest.weights[0]), nearer.select(v, nearest.weights[1])];
+        }
+    }
+
+    /// Whether a lane of the leaves is listed before what each ray has met.
+    #[cold]
+    #[inline(never)]
+    fn listed_before<S: Simd>(&self, simd: S, id: usize, nearest: &Nearests<S>) -> <u32x8<S> as SimdBase<S>>::Mask {
+        let mut first: [u32; TOGETHER] = nearest.ids.into();
+        for best in &mut first {
+            *best = u32::from(self.places.get(*best as usize).is_none_or(|best| self.places[id] < *best));
+        }
+        u32x8::simd_from(simd, first).simd_eq(u32x8::splat(simd, 1))
     }
 
     /// Note what a ray meets in a leaf.
@@ -220,11 +285,11 @@ impl Bvh {
         }
     }
 
+    /// A hit in a lane of the leaves.
     #[inline(always)]
-    fn hit(&self, ray: &Ray, Nearest { limit, lane }: Nearest) -> Option<Hit> {
-        let id = lane?;
-        let (weights, normal) = self.leaves[id / LANES].look(id % LANES, ray);
-        Some(Hit { distance: limit, place: self.places[id], weights, normal })
+    fn hit(&self, id: usize, distance: f32, [u, v]: [f32; 2]) -> Hit {
+        let normal = self.leaves[id / LANES].normal(id % LANES);
+        Hit { distance, place: self.places[id], weights: [1.0 - u - v, u, v], normal }
     }
 
     /// Whether anything is nearer than `limit`.

@@ -6,7 +6,7 @@ use glam::Vec3;
 use obvhs::bvh2::{Bvh2, node::Bvh2Node};
 
 use super::triangles::LANES;
-use super::{Entry, Stack};
+use super::{Entry, Stack, TOGETHER};
 
 /// Boxes of a node.
 const WIDTH: usize = 8;
@@ -56,9 +56,11 @@ impl Link {
     }
 }
 
-/// Rays from one point that go down the same axes, ready for boxes.
+/// Rays from one point that go down the same axes, ready for boxes and triangles.
 pub(super) struct Beam {
-    origin: [f32; 3],
+    pub(super) origin: [f32; 3],
+    /// Of the rays, by axis.
+    pub(super) directions: [[f32; TOGETHER]; 3],
     /// Least and greatest 1/direction of the rays.
     inverse: [[f32; 3]; 2],
     down: [bool; 3],
@@ -67,19 +69,21 @@ pub(super) struct Beam {
 impl Beam {
     /// `None` if the rays do not come from one point, or not go down the same axes.
     #[inline(always)]
-    pub(super) fn new(rays: &[Ray]) -> Option<Self> {
-        let [first, others @ ..] = rays else { return None };
+    pub(super) fn new(rays: &[Ray; TOGETHER]) -> Option<Self> {
+        let first = &rays[0];
         let mut inverse = [first.inverse; 2];
-        for ray in others {
+        let mut directions = [[0.0; TOGETHER]; 3];
+        for (i, ray) in rays.iter().enumerate() {
             if ray.origin != first.origin || ray.down != first.down {
                 return None;
             }
             for axis in 0..3 {
+                directions[axis][i] = ray.direction[axis];
                 inverse[0][axis] = inverse[0][axis].min(ray.inverse[axis]);
                 inverse[1][axis] = inverse[1][axis].max(ray.inverse[axis]);
             }
         }
-        Some(Self { origin: first.origin, inverse, down: first.down })
+        Some(Self { origin: first.origin, directions, inverse, down: first.down })
     }
 }
 

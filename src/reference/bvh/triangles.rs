@@ -2,11 +2,12 @@
 
 use std::ops::{Add, Mul, Sub};
 
-use fearless_simd::f32x4;
+use fearless_simd::{f32x4, f32x8};
 use fearless_simd::prelude::*;
 use glam::{Vec3, Vec3A};
 use obvhs::triangle::Triangle;
 
+use super::TOGETHER;
 use super::tree::Ray;
 
 /// Triangles of a leaf.
@@ -36,9 +37,9 @@ impl Leaf {
     /// How far along the ray each triangle is met; infinity where it is not (Moeller & Trumbore 1997).
     #[inline(always)]
     pub(super) fn intersect<S: Simd>(&self, simd: S, ray: &Ray) -> [f32; LANES] {
-        let back = load(simd, &self.back);
+        let back: [f32x4<S>; 3] = load(simd, &self.back);
         let along = load(simd, &self.along);
-        let [x, y, z] = load(simd, &self.corner);
+        let [x, y, z]: [f32x4<S>; 3] = load(simd, &self.corner);
         let to = [x - ray.origin[0], y - ray.origin[1], z - ray.origin[2]];
         let [x, y, z] = ray.direction;
         let direction = [f32x4::splat(simd, x), f32x4::splat(simd, y), f32x4::splat(simd, z)];
@@ -55,24 +56,61 @@ impl Leaf {
         met.select(t, f32x4::splat(simd, f32::INFINITY)).into()
     }
 
-    /// Weights of the corners where the ray meets a triangle, and its unit normal.
+    /// How far along each of several rays from one point a triangle is met, infinity where it is not, and the weights of its
+    /// second and third corner: what [`Leaf::intersect`] and [`Leaf::weights`] say of each, to the bit.
     #[inline(always)]
-    pub(super) fn look(&self, lane: usize, ray: &Ray) -> ([f32; 3], Vec3) {
+    pub(super) fn intersect_all<S: Simd>(
+        &self,
+        simd: S,
+        triangle: usize,
+        origin: [f32; 3],
+        directions: &[[f32; TOGETHER]; 3],
+    ) -> [f32x8<S>; 3] {
+        let lane = |v: &[[f32; LANES]; 3]| v.map(|c| c[triangle]);
+        let splat = |v: [f32; 3]| {
+            let [x, y, z] = v;
+            [f32x8::splat(simd, x), f32x8::splat(simd, y), f32x8::splat(simd, z)]
+        };
+        let (back, along, [x, y, z]) = (lane(&self.back), lane(&self.along), lane(&self.corner));
+        let to = [x - origin[0], y - origin[1], z - origin[2]];
+        let normal = cross(back, along);
+        let ahead = dot(normal, to);
+        let (back, along, to, normal) = (splat(back), splat(along), splat(to), splat(normal));
+        let direction = load(simd, directions);
+        let turned = cross(direction, to);
+        let inverse = f32x8::splat(simd, 1.0) / dot(normal, direction);
+        let u = dot(turned, along) * inverse;
+        let v = dot(turned, back) * inverse;
+        let w = f32x8::splat(simd, 1.0) - u - v;
+        let t = inverse * ahead;
+        let zero = f32x8::splat(simd, 0.0);
+        let met = u.simd_ge(zero) & v.simd_ge(zero) & w.simd_ge(zero) & t.simd_ge(zero);
+        [met.select(t, f32x8::splat(simd, f32::INFINITY)), u, v]
+    }
+
+    /// Weights of the second and third corner where the ray meets a triangle.
+    #[inline(always)]
+    pub(super) fn weights(&self, lane: usize, ray: &Ray) -> [f32; 2] {
         let lane = |v: &[[f32; LANES]; 3]| v.map(|c| c[lane]);
         let (back, along, corner) = (lane(&self.back), lane(&self.along), lane(&self.corner));
         let to = std::array::from_fn(|c| corner[c] - ray.origin[c]);
-        let normal = cross(back, along);
         let turned = cross(ray.direction, to);
-        let inverse = 1.0 / dot(normal, ray.direction);
-        let (u, v) = (dot(turned, along) * inverse, dot(turned, back) * inverse);
-        ([1.0 - u - v, u, v], -Vec3::from_array(normal).normalize_or_zero())
+        let inverse = 1.0 / dot(cross(back, along), ray.direction);
+        [dot(turned, along) * inverse, dot(turned, back) * inverse]
+    }
+
+    /// Unit normal of a triangle.
+    #[inline(always)]
+    pub(super) fn normal(&self, lane: usize) -> Vec3 {
+        let lane = |v: &[[f32; LANES]; 3]| v.map(|c| c[lane]);
+        -Vec3::from_array(cross(lane(&self.back), lane(&self.along))).normalize_or_zero()
     }
 }
 
 /// A vector in each lane.
 #[inline(always)]
-fn load<S: Simd>(simd: S, [x, y, z]: &[[f32; LANES]; 3]) -> [f32x4<S>; 3] {
-    [(*x).simd_into(simd), (*y).simd_into(simd), (*z).simd_into(simd)]
+fn load<S: Simd, V: SimdFrom<[f32; N], S>, const N: usize>(simd: S, [x, y, z]: &[[f32; N]; 3]) -> [V; 3] {
+    [V::simd_from(simd, *x), V::simd_from(simd, *y), V::simd_from(simd, *z)]
 }
 
 #[inline(always)]
