@@ -8,7 +8,7 @@ mod tree;
 mod triangles;
 
 use fearless_simd::prelude::*;
-use fearless_simd::{f32x8, u32x8};
+use fearless_simd::{f32x4, f32x8, u32x8};
 use glam::{Vec3, Vec3A};
 use obvhs::BvhBuildParams;
 use obvhs::bvh2::builder::build_bvh2_from_tris;
@@ -275,11 +275,16 @@ impl Bvh {
     #[inline(always)]
     fn meet<S: Simd>(&self, simd: S, index: usize, ray: &Ray, nearest: &mut Nearest) {
         let distances = self.leaves[index].intersect(simd, ray);
-        for (lane, &t) in distances.iter().enumerate() {
-            let id = index * LANES + lane;
-            // Misses are infinite.
+        // Misses are infinite.
+        let most = nearest.limit.min(f32::MAX);
+        let mut met = distances.simd_le(f32x4::splat(simd, most)).to_bitmask();
+        let distances: [f32; LANES] = distances.into();
+        while met != 0 {
+            let lane = met.trailing_zeros() as usize % LANES;
+            met &= met - 1;
+            let (id, t) = (index * LANES + lane, distances[lane]);
             let first = |best: Option<usize>| best.is_none_or(|b| self.places[id] < self.places[b]);
-            if t < nearest.limit || (t == nearest.limit && t < f32::INFINITY && first(nearest.lane)) {
+            if t < nearest.limit || (t == nearest.limit && first(nearest.lane)) {
                 *nearest = Nearest { limit: t, lane: Some(id) };
             }
         }
@@ -310,7 +315,8 @@ impl Bvh {
                 None => self.tree.nodes[link.node()].visit(simd, &ray, limit, stack),
                 Some(index) => {
                     let distances = self.leaves[index].intersect(simd, &ray);
-                    if distances.iter().any(|t| *t <= limit && *t < f32::INFINITY) {
+                    // Misses are infinite.
+                    if distances.simd_le(f32x4::splat(simd, limit.min(f32::MAX))).any_true() {
                         return true;
                     }
                     None

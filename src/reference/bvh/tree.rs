@@ -23,8 +23,8 @@ pub(super) struct Ray {
     pub(super) direction: [f32; 3],
     /// 1/direction.
     inverse: [f32; 3],
-    /// Whether it goes down an axis: then it meets the high side first.
-    down: [bool; 3],
+    /// Which sides of a box it meets first and last, by axis: the high side first where it goes down.
+    sides: [[usize; 3]; 2],
 }
 
 impl Ray {
@@ -32,7 +32,13 @@ impl Ray {
     pub(super) fn new(origin: Vec3, direction: Vec3) -> Self {
         let direction = direction.to_array();
         let inverse = direction.map(|d| 1.0 / if d.abs() < LEAST { LEAST.copysign(d) } else { d });
-        Self { origin: origin.to_array(), direction, inverse, down: inverse.map(|i| i < 0.0) }
+        let mut sides = [[0, 1, 2], [3, 4, 5]];
+        for axis in 0..3 {
+            let down = usize::from(inverse[axis] < 0.0);
+            sides[0][axis] += 3 * down;
+            sides[1][axis] -= 3 * down;
+        }
+        Self { origin: origin.to_array(), direction, inverse, sides }
     }
 }
 
@@ -63,7 +69,7 @@ pub(super) struct Beam {
     pub(super) directions: [[f32; TOGETHER]; 3],
     /// Least and greatest 1/direction of the rays.
     inverse: [[f32; 3]; 2],
-    down: [bool; 3],
+    sides: [[usize; 3]; 2],
 }
 
 impl Beam {
@@ -74,7 +80,7 @@ impl Beam {
         let mut inverse = [first.inverse; 2];
         let mut directions = [[0.0; TOGETHER]; 3];
         for (i, ray) in rays.iter().enumerate() {
-            if ray.origin != first.origin || ray.down != first.down {
+            if ray.origin != first.origin || ray.sides != first.sides {
                 return None;
             }
             for axis in 0..3 {
@@ -83,7 +89,7 @@ impl Beam {
                 inverse[1][axis] = inverse[1][axis].max(ray.inverse[axis]);
             }
         }
-        Some(Self { origin: first.origin, directions, inverse, down: first.down })
+        Some(Self { origin: first.origin, directions, inverse, sides: first.sides })
     }
 }
 
@@ -117,9 +123,7 @@ impl Node {
         let mut near = f32x8::splat(simd, 0.0);
         let mut far = f32x8::splat(simd, limit);
         for axis in 0..3 {
-            let (first, last) = if ray.down[axis] { (axis + 3, axis) } else { (axis, axis + 3) };
-            let (first, last) = (self.sides[first].simd_into(simd), self.sides[last].simd_into(simd));
-            let [first, last]: [f32x8<S>; 2] = [first, last];
+            let [first, last]: [f32x8<S>; 2] = ray.sides.map(|sides| self.sides[sides[axis]].simd_into(simd));
             near = near.max((first - ray.origin[axis]) * ray.inverse[axis]);
             far = far.min((last - ray.origin[axis]) * ray.inverse[axis]);
         }
@@ -138,9 +142,7 @@ impl Node {
         let mut near = f32x8::splat(simd, 0.0);
         let mut far = f32x8::splat(simd, limit);
         for axis in 0..3 {
-            let (first, last) = if beam.down[axis] { (axis + 3, axis) } else { (axis, axis + 3) };
-            let (first, last) = (self.sides[first].simd_into(simd), self.sides[last].simd_into(simd));
-            let [first, last]: [f32x8<S>; 2] = [first, last];
+            let [first, last]: [f32x8<S>; 2] = beam.sides.map(|sides| self.sides[sides[axis]].simd_into(simd));
             let (first, last) = (first - beam.origin[axis], last - beam.origin[axis]);
             let [low, high] = beam.inverse.map(|inverse| inverse[axis]);
             near = near.max((first * low).min(first * high));

@@ -36,7 +36,7 @@ impl Leaf {
 
     /// How far along the ray each triangle is met; infinity where it is not (Moeller & Trumbore 1997).
     #[inline(always)]
-    pub(super) fn intersect<S: Simd>(&self, simd: S, ray: &Ray) -> [f32; LANES] {
+    pub(super) fn intersect<S: Simd>(&self, simd: S, ray: &Ray) -> f32x4<S> {
         let back: [f32x4<S>; 3] = load(simd, &self.back);
         let along = load(simd, &self.along);
         let [x, y, z]: [f32x4<S>; 3] = load(simd, &self.corner);
@@ -53,7 +53,7 @@ impl Leaf {
         let zero = f32x4::splat(simd, 0.0);
         // Without an area all is NaN, and not met.
         let met = u.simd_ge(zero) & v.simd_ge(zero) & w.simd_ge(zero) & t.simd_ge(zero);
-        met.select(t, f32x4::splat(simd, f32::INFINITY)).into()
+        met.select(t, f32x4::splat(simd, f32::INFINITY))
     }
 
     /// How far along each of several rays from one point a triangle is met, infinity where it is not, and the weights of its
