@@ -191,14 +191,16 @@ impl Tree {
     pub(super) fn new(binary: &Bvh2) -> (Self, Vec<[u32; LANES]>) {
         let mut tree = Self::default();
         let mut leaves = Vec::new();
-        let root = &binary.nodes[0];
-        let root: Vec<&Bvh2Node> = if root.is_leaf() { vec![root] } else { widen(binary, root) };
+        let cheapest = Cheapest::new(binary);
+        let parts = |i: usize| if binary.nodes[i].is_leaf() { vec![i] } else { cheapest.parts(i) };
         // A node's place, what is to be in it, and how many nodes lead there with it.
-        let mut open = vec![(0, root, 1)];
+        let mut open = vec![(0, parts(0), 1)];
         tree.nodes.push(Node::EMPTY);
         while let Some((at, children, depth)) = open.pop() {
             tree.depth = tree.depth.max(depth);
             for (i, child) in children.into_iter().enumerate() {
+                let index = child;
+                let child = &binary.nodes[index];
                 let (low, high) = (child.aabb().min.to_array(), child.aabb().max.to_array());
                 for axis in 0..3 {
                     tree.nodes[at].sides[axis][i] = low[axis];
@@ -211,7 +213,7 @@ impl Tree {
                     leaves.push(lanes);
                     Link(Link::LEAF | (leaves.len() - 1) as u32)
                 } else {
-                    open.push((tree.nodes.len(), widen(binary, child), depth + 1));
+                    open.push((tree.nodes.len(), parts(index), depth + 1));
                     tree.nodes.push(Node::EMPTY);
                     Link((tree.nodes.len() - 1) as u32)
                 };
@@ -232,20 +234,73 @@ impl Tree {
     }
 }
 
-/// Up to eight parts of a node: the largest is opened again and again.
-fn widen<'a>(binary: &'a Bvh2, node: &'a Bvh2Node) -> Vec<&'a Bvh2Node> {
-    let children = |node: &Bvh2Node| {
-        let first = node.first_index as usize;
-        [&binary.nodes[first], &binary.nodes[first + 1]]
-    };
-    let mut parts = children(node).to_vec();
-    while parts.len() < WIDTH {
-        let area = |i: &usize| parts[*i].aabb().half_area();
-        let inner = (0..parts.len()).filter(|i| !parts[*i].is_leaf());
-        let Some(largest) = inner.max_by(|a, b| area(a).total_cmp(&area(b))) else { break };
-        let [left, right] = children(parts[largest]);
-        parts[largest] = left;
-        parts.push(right);
+/// Which binary nodes are to be nodes of the wide tree, so that rays visit the fewest: a ray meets a box as often as its
+/// area says.
+///
+/// By dynamic programming over the number of parts that a subtree is cut into (Ylitie, Karras & Laine 2017, Efficient
+/// Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs, 3.1).
+struct Cheapest<'a> {
+    binary: &'a Bvh2,
+    /// Of each node cut into up to so many parts, less one: how many the first child gets. 0: the same as with one less.
+    /// With one part the node stays, and is itself cut into [`WIDTH`].
+    first: Vec<[u8; WIDTH]>,
+}
+
+impl<'a> Cheapest<'a> {
+    fn new(binary: &'a Bvh2) -> Self {
+        // Each before its children.
+        let mut order = vec![0];
+        let mut next = 0;
+        while let Some(&i) = order.get(next) {
+            next += 1;
+            if !binary.nodes[i].is_leaf() {
+                order.extend(children(&binary.nodes[i]));
+            }
+        }
+        let mut first = vec![[0; WIDTH]; binary.nodes.len()];
+        // Area of all nodes below, by how many parts there may be. Leaves are visited however they hang.
+        let mut areas = vec![[0.0f32; WIDTH]; binary.nodes.len()];
+        for i in order.into_iter().rev().filter(|i| !binary.nodes[*i].is_leaf()) {
+            let [left, right] = children(&binary.nodes[i]).map(|child| areas[child]);
+            let cut = |parts: usize| {
+                let of = (1..parts).map(|k| (k, left[k - 1] + right[parts - k - 1]));
+                of.min_by(|a, b| a.1.total_cmp(&b.1)).expect("two parts or more")
+            };
+            let (k, area) = cut(WIDTH);
+            first[i][0] = k as u8;
+            areas[i][0] = area + binary.nodes[i].aabb().half_area();
+            for parts in 2..=WIDTH {
+                let (k, area) = cut(parts);
+                let fewer = areas[i][parts - 2];
+                (first[i][parts - 1], areas[i][parts - 1]) = if area < fewer { (k as u8, area) } else { (0, fewer) };
+            }
+        }
+        Self { binary, first }
     }
-    parts
+
+    /// What is in the wide node that this node becomes: at most [`WIDTH`] nodes.
+    fn parts(&self, node: usize) -> Vec<usize> {
+        let mut parts = Vec::with_capacity(WIDTH);
+        let cut = |i: usize, count: usize, first: u8| {
+            let [left, right] = children(&self.binary.nodes[i]);
+            [(right, count - usize::from(first)), (left, usize::from(first))]
+        };
+        let mut open = cut(node, WIDTH, self.first[node][0]).to_vec();
+        while let Some((i, count)) = open.pop() {
+            if self.binary.nodes[i].is_leaf() || count == 1 {
+                parts.push(i);
+                continue;
+            }
+            match self.first[i][count - 1] {
+                0 => open.push((i, count - 1)),
+                first => open.extend(cut(i, count, first)),
+            }
+        }
+        parts
+    }
+}
+
+fn children(node: &Bvh2Node) -> [usize; 2] {
+    let first = node.first_index as usize;
+    [first, first + 1]
 }
