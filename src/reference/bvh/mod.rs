@@ -253,7 +253,11 @@ impl Bvh {
             let [t, u, v] = self.leaves[index].intersect_all(simd, lane, beam.origin, &beam.directions);
             let nearer = t.simd_lt(nearest.limits);
             let level = t.simd_eq(nearest.limits) & t.simd_lt(f32x8::splat(simd, f32::INFINITY));
-            let nearer = if level.any_true() { nearer | (level & self.listed_before(simd, id, nearest)) } else { nearer };
+            let nearer = if level.any_true() {
+                nearer | (level & self.listed_before(simd, id, nearest))
+            } else {
+                nearer
+            };
             nearest.limits = nearer.select(t, nearest.limits);
             nearest.ids = nearer.select(u32x8::splat(simd, id as u32), nearest.ids);
             nearest.weights = [nearer.select(u, nearest.weights[0]), nearer.select(v, nearest.weights[1])];
@@ -263,7 +267,12 @@ impl Bvh {
     /// Whether a lane of the leaves is listed before what each ray has met.
     #[cold]
     #[inline(never)]
-    fn listed_before<S: Simd>(&self, simd: S, id: usize, nearest: &Nearests<S>) -> <u32x8<S> as SimdBase<S>>::Mask {
+    fn listed_before<S: Simd>(
+        &self,
+        simd: S,
+        id: usize,
+        nearest: &Nearests<S>,
+    ) -> <u32x8<S> as SimdBase<S>>::Mask {
         let mut first: [u32; TOGETHER] = nearest.ids.into();
         for best in &mut first {
             *best = u32::from(self.places.get(*best as usize).is_none_or(|best| self.places[id] < *best));

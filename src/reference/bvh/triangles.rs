@@ -2,8 +2,8 @@
 
 use std::ops::{Add, Mul, Sub};
 
-use fearless_simd::{f32x4, f32x8};
 use fearless_simd::prelude::*;
+use fearless_simd::{f32x4, f32x8};
 use glam::{Vec3, Vec3A};
 use obvhs::triangle::Triangle;
 
