@@ -12,6 +12,7 @@ pub(super) struct Edges {
     depths: wgpu::RenderPipeline,
     picture: wgpu::RenderPipeline,
     layout: wgpu::BindGroupLayout,
+    sampler: wgpu::Sampler,
 }
 
 impl Edges {
@@ -25,7 +26,12 @@ impl Edges {
         let depth = wgpu::TextureSampleType::Depth;
         let layout = gpu.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
             label: Some("edges"),
-            entries: &[texture(0, color, false), texture(1, depth, false), texture(2, depth, true)],
+            entries: &[
+                texture(0, color, false),
+                texture(1, depth, false),
+                texture(2, depth, true),
+                textures::entry(3, wgpu::BindingType::Sampler(wgpu::SamplerBindingType::NonFiltering)),
+            ],
         });
         let groups = |group| {
             gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
@@ -73,7 +79,8 @@ impl Edges {
             multiview_mask: None,
             cache: None,
         });
-        Self { depths, picture, layout }
+        let sampler = gpu.device.create_sampler(&wgpu::SamplerDescriptor::default());
+        Self { depths, picture, layout, sampler }
     }
 
     /// Draw the depths of meshes; `frame` is bind group 0 of objects.
@@ -97,8 +104,9 @@ impl Edges {
         samples: &wgpu::TextureView,
     ) {
         let views = [&target.color, &target.depth, samples].map(wgpu::BindingResource::TextureView);
+        let bound = views.into_iter().chain([wgpu::BindingResource::Sampler(&self.sampler)]);
         pass.set_pipeline(&self.picture);
-        pass.set_bind_group(0, &textures::group(gpu, "edges", &self.layout, views), &[]);
+        pass.set_bind_group(0, &textures::group(gpu, "edges", &self.layout, bound), &[]);
         pass.draw(0..3, 0..1);
     }
 }

@@ -181,6 +181,23 @@ impl Lamps {
         Ok(all)
     }
 
+    /// Whether each rectangle is four right-angled quarters of four small lights, as places_shared.wgsl wants.
+    pub(super) fn have_quarters(&self) -> bool {
+        self.rectangles.iter().all(|r| {
+            let middle = |toward: [usize; 2]| {
+                let of = |p: usize| self.places[r.first as usize + 8 * toward[0] + 2 * p + toward[1]];
+                [0, 1].map(|c| (0..4).map(|p| 0.25 * of(p)[c]).sum::<f32>())
+            };
+            let side = |t: usize, half: f32| if t == 0 { -half } else { half };
+            let is_there = |toward: [usize; 2]| {
+                let found = middle(toward);
+                // Points of the set lean by an eighth.
+                (0..2).all(|c| (found[c] - side(toward[c], r.cell[c])).abs() < 0.2 * r.cell[c])
+            };
+            r.count == 16 && [[0, 0], [0, 1], [1, 0], [1, 1]].into_iter().all(is_there)
+        })
+    }
+
     /// The uniform block `suns` of suns.wgsl.
     pub(super) fn sun_block(&self) -> Vec<u8> {
         let mut suns = self.suns.clone();
@@ -345,6 +362,23 @@ mod tests {
                 strata.sort_unstable();
                 assert_eq!(strata, (0..n).collect::<Vec<_>>());
             }
+        }
+    }
+
+    /// Sixteen small lights of a rectangle are four quarters of four; fewer are not, nor are those of a slanted one.
+    #[test]
+    fn rectangles_have_quarters() {
+        let scene = scene();
+        let casters = Casters::new(&scene);
+        let (x, y) = (Vec3::X * 3.0, Vec3::Z * 2.0);
+        for (u, v, count, are) in
+            [(x, y, 16, true), (x, y, 4, false), (x, y + x, 16, false), (y, x, 16, true)]
+        {
+            let mut scene = scene.clone();
+            let (center, radiance) = (Vec3::Y * 9.0, LinearRgb([1.0; 3]));
+            scene.lights = vec![Light::Area { center, u, v, radiance }];
+            let lamps = Lamps::new(&scene, &casters, count, 1, [64; 2]).expect("few lights");
+            assert_eq!(lamps.have_quarters(), are, "{u} {v} {count}");
         }
     }
 

@@ -29,8 +29,10 @@ mod lamps;
 pub mod lobe;
 pub mod material;
 mod mesh;
+mod options;
 pub mod program;
 mod render;
+mod shaded;
 mod shadows;
 mod slots;
 mod target;
@@ -40,8 +42,9 @@ mod timing;
 pub use device::Gpu;
 pub use error::PreviewError;
 pub use material::{MaterialUniform, SkinData};
+pub use options::{Options, enough_triangles};
 pub use program::{SkinOptions, SkinProgram, Slot};
-pub use render::{Options, Picture, Renderer};
+pub use render::{Picture, Renderer};
 
 #[cfg(test)]
 mod skin_tests;

@@ -6,72 +6,17 @@ use wgpu::util::DeviceExt;
 
 use super::background::Background;
 use super::edges::Edges;
-use super::frame::FrameUniform;
+use super::frame::{FrameUniform, lens_of};
 use super::lamps::{Casters, Lamps, hammersley};
-use super::mesh::{self, DeviceMesh};
-use super::program::{SkinOptions, SkinProgram, Slot};
+use super::mesh::DeviceMesh;
+use super::options::{self, FEWER_STEP, MOST_STEP, Options};
+use super::shaded::{self, Shaded};
 use super::shadows::Shadows;
-use super::slots::{self, Has, Lit, Sky};
-use super::target::{self, Shading, Target};
-use super::textures::{self, Surface};
+use super::slots::{Lit, Places, Sky};
+use super::target::{Shading, Target};
 use super::timing::Timing;
-use super::{Gpu, PreviewError, binding, environment, material::SkinData};
-use crate::scene::{Camera, Material, Scene, SceneFeatures};
-
-/// What is chosen rather than found in the scene.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Options {
-    /// Of materials.
-    pub skin: SkinOptions,
-    /// Small lights that a rectangle becomes, at least 1; four times as many where 16 pictures or more are averaged, as no
-    /// more of them shine in one.
-    pub rectangle_samples: usize,
-    /// Texels of a side of a sun's shadow map.
-    pub shadow_size: u32,
-    /// Texels of a side of the shadow map of a small light of a rectangle; these blur each other's edges.
-    pub rectangle_shadow_size: u32,
-    /// Most samples of a map along a slanted view, 1 to 16.
-    pub anisotropy: u16,
-    /// Whether colours are computed once for each pixel before edges are smoothed, not once for each triangle in it.
-    pub once: bool,
-    /// Pictures that are averaged, each of another place within pixels, at least 1. A multiple of 4 costs least: in each of
-    /// four pictures other ones of a rectangle's small lights shine.
-    pub samples: u32,
-    /// Whether the environment lights objects; it is seen behind them in any case.
-    pub environment: bool,
-    /// Whether suns and rectangles light objects.
-    pub lamps: bool,
-}
-
-impl Default for Options {
-    fn default() -> Self {
-        Self {
-            skin: SkinOptions::default(),
-            rectangle_samples: 16,
-            shadow_size: 1024,
-            rectangle_shadow_size: 512,
-            anisotropy: 8,
-            once: false,
-            samples: 1,
-            environment: true,
-            lamps: true,
-        }
-    }
-}
-
-impl Options {
-    /// What suits an adapter. One that is a program on the CPU shades pixels once (Mesa 22.3 shades all that is hidden, too,
-    /// where pixels have samples: measured, four times the time of all else), and gets maps without anisotropy (some slanted
-    /// samples of it read the whole map there: measured, 39 s for a picture that takes 2 without).
-    pub fn of(gpu: &Gpu) -> Self {
-        let all = Self::default();
-        if gpu.is_software() {
-            Self { anisotropy: 1, once: true, ..all }
-        } else {
-            Self { samples: 16, ..all }
-        }
-    }
-}
+use super::{Gpu, PreviewError, environment, textures};
+use crate::scene::{Camera, Scene};
 
 /// Linear light, as the scene has it.
 #[derive(Clone, Debug, PartialEq)]
@@ -107,16 +52,6 @@ pub struct Renderer<'g> {
     /// In each of so many samples other ones of the small lights of rectangles shine.
     place_step: u32,
     resources: Vec<(String, u64)>,
-}
-
-/// A material ready to be drawn with.
-#[derive(Debug)]
-struct Shaded {
-    pipeline: wgpu::RenderPipeline,
-    material: wgpu::BindGroup,
-    surface: wgpu::BindGroup,
-    slots: Vec<&'static str>,
-    left_out: Vec<&'static str>,
 }
 
 impl<'g> Renderer<'g> {
@@ -170,12 +105,10 @@ impl<'g> Renderer<'g> {
         let sky = if options.environment { environment::layers(scene) } else { None };
         let environment = options.environment && !scene.environment.is_black();
         let frame = FrameUniform {
-            suns: lamps.suns.len() as u32,
-            rectangles: lamps.rectangles.len() as u32,
             discs: lamps.discs.len() as u32,
             sky_layers: environment::LAYERS as f32,
             even: scene.environment.mean_radiance().0,
-            sharper: sharper(samples),
+            sharper: options::sharper(samples),
             ..FrameUniform::zeroed()
         };
         let frame_block = gpu.device.create_buffer(&wgpu::BufferDescriptor {
@@ -193,12 +126,14 @@ impl<'g> Renderer<'g> {
             (true, None) => Sky::Even,
             (true, Some(_)) => Sky::Image,
         };
-        let lit = Lit {
-            suns: sun_maps.is_some(),
-            rectangles: rectangle_maps.is_some(),
-            tints_each: place_step >= FEWER_STEP,
-            sky,
+        let places = match place_step >= FEWER_STEP {
+            true => Places::Each,
+            false if options.shared_shadows && place_step == 1 && lamps.have_quarters() => Places::Shared,
+            false => Places::Middle,
         };
+        let rectangles = rectangle_maps.is_some().then_some(places);
+        let lit = Lit { suns: sun_maps.is_some(), rectangles, sky };
+        let lamp_counts = [lamps.suns.len(), lamps.rectangles.len()];
         let maps = [sun_maps.as_ref(), rectangle_maps.as_ref(), sky_view.as_ref()];
         let bound = Bound::new(gpu, &frame_block, &lamps, maps);
 
@@ -207,7 +142,10 @@ impl<'g> Renderer<'g> {
         for (i, material) in scene.materials.iter().enumerate() {
             let worn = meshes.iter().any(|(_, m)| *m == i);
             let casts = casters.objects.iter().any(|o| scene.objects[*o].material == i);
-            let make = || Shaded::new(gpu, (material, casts), lit, &bound.layout, options, &mut resources);
+            let make = || {
+                let light = (lit, lamp_counts);
+                Shaded::new(gpu, (material, casts), light, &bound.layout, options, &mut resources)
+            };
             materials.push(worn.then(make).transpose()?);
         }
         let background = Background::new(gpu, scene, &lamps, &bound.layout, shading, &mut resources)?;
@@ -219,7 +157,7 @@ impl<'g> Renderer<'g> {
             frame_block,
             frame_group: bound.group,
             shadows,
-            depth: depth(gpu, &bound.layout, shading),
+            depth: shaded::depth(gpu, &bound.layout, shading),
             shading,
             edges: (shading == Shading::Pixels).then(|| Edges::new(gpu, &bound.layout)),
             background,
@@ -233,7 +171,7 @@ impl<'g> Renderer<'g> {
         Ok(renderer)
     }
 
-    /// Draw the scene from a camera; everything is sharp, lenses do not count. Times of passes are those of all samples
+    /// Draw the scene from a camera. A lens blurs by as many points of it as there are samples; with one, all is sharp. Times of passes are those of all samples
     /// together.
     ///
     /// # Errors
@@ -250,8 +188,6 @@ impl<'g> Renderer<'g> {
             let (block, offset) = (sample / self.place_step, sample % self.place_step);
             let visits = self.samples.div_ceil(self.place_step);
             let frame = FrameUniform {
-                suns: self.frame.suns,
-                rectangles: self.frame.rectangles,
                 discs: self.frame.discs,
                 sky_layers: self.frame.sky_layers,
                 even: self.frame.even,
@@ -260,7 +196,7 @@ impl<'g> Renderer<'g> {
                 first_place: (offset + block) % self.place_step,
                 place_step: self.place_step,
                 place_shift: hammersley(block as usize, visits as usize).map(|t| t - 0.5),
-                ..FrameUniform::new(camera, [width, height], shift)
+                ..FrameUniform::new(camera, [width, height], shift, lens_of(sample, self.samples))
             };
             self.gpu.queue.write_buffer(&self.frame_block, 0, bytemuck::bytes_of(&frame));
             for (name, time) in self.draw(&target)? {
@@ -347,116 +283,6 @@ impl<'g> Renderer<'g> {
         let materials = self.materials.iter().flatten().map(|m| m.slots.clone());
         materials.chain([self.background.slots()]).collect()
     }
-}
-
-impl Shaded {
-    fn new(
-        gpu: &Gpu,
-        (material, casts): (&Material, bool),
-        lit: Lit,
-        frame: &wgpu::BindGroupLayout,
-        options: &Options,
-        resources: &mut Vec<(String, u64)>,
-    ) -> Result<Self, PreviewError> {
-        let shading = Shading::of(options.once, options.samples);
-        let program = SkinProgram::new(&SceneFeatures::of_material(material), &options.skin);
-        // Where all texels are alike, the light below the film is that of their thickness.
-        let data = SkinData::new(&material.constants, material.texel(0.5, 0.5).thickness_nm, &program)
-            .map_err(|e| PreviewError::Material(e.to_string()))?;
-        resources.extend(data.tables.iter().map(|t| (t.name.to_owned(), 16 * t.texels.len() as u64)));
-        let material_layout = binding::layout(gpu, &data);
-        let surface = Surface::new(gpu, material, options.anisotropy)?;
-        resources.extend(surface.textures.iter().map(|(name, bytes)| ((*name).to_owned(), *bytes)));
-
-        let film_table = surface.film_table && program.has("film_series");
-        // The table has its own order of the series.
-        let mut constants = if film_table { Vec::new() } else { program.constants() };
-        if !casts {
-            constants.push(("SHADOW_LIFT", 0.0));
-        }
-        let has = Has { maps: material.maps.is_some(), film_table, film_width: surface.film_width };
-        let files = slots::files(&program, has, lit);
-        let module = slots::module(gpu, "skin", &files);
-        let layout = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-            label: Some("skin"),
-            bind_group_layouts: &[Some(frame), Some(&material_layout), Some(&surface.layout)],
-            immediate_size: 0,
-        });
-        let pipeline = gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-            label: Some("skin"),
-            layout: Some(&layout),
-            vertex: wgpu::VertexState {
-                module: &module,
-                entry_point: Some("place"),
-                compilation_options: Default::default(),
-                buffers: &[Some(mesh::LAYOUT)],
-            },
-            primitive: wgpu::PrimitiveState::default(),
-            depth_stencil: Some(target::depth(wgpu::CompareFunction::Equal, false)),
-            multisample: shading.multisample(),
-            fragment: Some(wgpu::FragmentState {
-                module: &module,
-                entry_point: Some("shade"),
-                compilation_options: wgpu::PipelineCompilationOptions {
-                    constants: &constants,
-                    ..Default::default()
-                },
-                targets: &[Some(target::FORMAT.into())],
-            }),
-            multiview_mask: None,
-            cache: None,
-        });
-        let material = binding::group(gpu, &material_layout, &data);
-        let slots = files.iter().map(|f| f.name).collect();
-        let left_out = program.left_out().to_vec();
-        Ok(Self { pipeline, material, surface: surface.group, slots, left_out })
-    }
-}
-
-/// Most samples over which the small lights of rectangles are spread, and samples from which on few shine in each.
-const MOST_STEP: u32 = 16;
-const FEWER_STEP: u32 = 4;
-
-/// What is added to the level of maps where so many samples share a pixel: that of a sample's own part of it, and one more,
-/// as samples do what is left of the mean. Measured at 4 and 16 samples, mean CIEDE2000: 14 and 18 % less than without, and
-/// no more with two levels more.
-fn sharper(samples: u32) -> f32 {
-    if samples == 1 { 0.0 } else { -0.5 * (samples as f32).log2() - 1.0 }
-}
-
-/// Draws nothing but depth.
-fn depth(gpu: &Gpu, frame: &wgpu::BindGroupLayout, shading: Shading) -> wgpu::RenderPipeline {
-    let module = slots::module(gpu, "depth", &slots::slots!["frame", "depth"]);
-    let layout = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-        label: Some("depth"),
-        bind_group_layouts: &[Some(frame)],
-        immediate_size: 0,
-    });
-    gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label: Some("depth"),
-        layout: Some(&layout),
-        vertex: wgpu::VertexState {
-            module: &module,
-            entry_point: Some("place_depth"),
-            compilation_options: Default::default(),
-            buffers: &[Some(mesh::PLACES)],
-        },
-        primitive: wgpu::PrimitiveState::default(),
-        depth_stencil: Some(target::depth(wgpu::CompareFunction::Greater, true)),
-        multisample: shading.multisample(),
-        fragment: Some(wgpu::FragmentState {
-            module: &module,
-            entry_point: Some("no_color"),
-            compilation_options: Default::default(),
-            targets: &[Some(wgpu::ColorTargetState {
-                format: target::FORMAT,
-                blend: None,
-                write_mask: wgpu::ColorWrites::empty(),
-            })],
-        }),
-        multiview_mask: None,
-        cache: None,
-    })
 }
 
 /// Bind group 0, and its layout.

@@ -5,7 +5,8 @@
 //! | maps | `maps_none`, `maps` with `width_none` or `width_map` |
 //! | film under maps | the material's own series, or `film_table` in its place |
 //! | suns | `suns_none`, `suns` |
-//! | rectangles | `rectangles_none`, `rectangles` with `tints_middle` or `tints_each` |
+//! | rectangles | `rectangles_none`, or `rectangles` with `places_shared`, or with `places_each` and the next |
+//! | colours of small lights | `tints_middle`, `tints_each` |
 //! | light from all around | `sky_none`, `sky_even`, `sky_image` |
 
 use super::Gpu;
@@ -23,12 +24,21 @@ pub(super) use slots;
 pub(super) struct Lit {
     /// Suns.
     pub(super) suns: bool,
-    /// Rectangles.
-    pub(super) rectangles: bool,
-    /// Each small light of theirs in its own colour.
-    pub(super) tints_each: bool,
+    /// How rectangles do, if there are any.
+    pub(super) rectangles: Option<Places>,
     /// Light from all around.
     pub(super) sky: Sky,
+}
+
+/// The small lights of rectangles.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Places {
+    /// Four quarters, whose shadows neighbouring pixels share.
+    Shared,
+    /// Each by its own shadow, all in one colour.
+    Middle,
+    /// Each in its own colour.
+    Each,
 }
 
 /// Light from all around.
@@ -81,11 +91,13 @@ pub(super) fn files(program: &SkinProgram, has: Has, lit: Lit) -> Vec<Slot> {
     }
     let suns = if lit.suns { suns } else { no_suns };
     files.extend([surface, suns]);
-    if lit.rectangles {
-        let [middle, each] = slots!["tints_middle", "tints_each"];
-        files.extend([if lit.tints_each { each } else { middle }, rectangles]);
-    } else {
-        files.push(no_rectangles);
+    let [each, shared, middle_tint, each_tint] =
+        slots!["places_each", "places_shared", "tints_middle", "tints_each"];
+    match lit.rectangles {
+        Some(Places::Shared) => files.extend([rectangles, shared]),
+        Some(Places::Middle) => files.extend([rectangles, middle_tint, each]),
+        Some(Places::Each) => files.extend([rectangles, each_tint, each]),
+        None => files.push(no_rectangles),
     }
     files.extend([sky, shade]);
     files
@@ -134,10 +146,12 @@ mod tests {
         for features in features() {
             let program = SkinProgram::new(&features, &SkinOptions::default());
             for maps in [false, true] {
-                for bits in 0..4 {
-                    let (suns, rectangles) = (bits & 1 == 1, bits & 2 == 2);
+                for bits in 0..8 {
+                    let suns = bits & 1 == 1;
+                    let rectangles =
+                        [None, Some(Places::Shared), Some(Places::Middle), Some(Places::Each)][bits / 2];
                     for sky in [Sky::Dark, Sky::Even, Sky::Image] {
-                        let lit = Lit { suns, rectangles, tints_each: suns, sky };
+                        let lit = Lit { suns, rectangles, sky };
                         let has = Has { maps, ..Has::default() };
                         all.push(files(&program, has, lit));
                         if maps && features.film {
@@ -191,7 +205,7 @@ mod tests {
     #[test]
     fn blocks_lie_in_memory_as_shaders_read_them() {
         let program = SkinProgram::new(&features()[1], &SkinOptions::default());
-        let lit = Lit { suns: true, rectangles: true, tints_each: false, sky: Sky::Dark };
+        let lit = Lit { suns: true, rectangles: Some(Places::Middle), sky: Sky::Dark };
         let skin = parse(&join(&files(&program, Has::default(), lit)));
         let [frame, even, background] = slots!["frame", "surroundings_even", "background"];
         let background = parse(&join(&[frame, even, background]));
@@ -216,15 +230,13 @@ mod tests {
             eye,
             sky_layers,
             forward,
-            suns,
-            right,
             discs,
+            right,
+            first_place,
             up,
-            rectangles,
+            place_step,
             even,
             sharper,
-            first_place,
-            place_step,
             place_shift
         );
         block!(&skin, "Sun", Sun, direction, spread, irradiance, texel, shadow);

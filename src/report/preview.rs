@@ -300,6 +300,7 @@ fn shortcuts(
             let [sun, rectangle] = [all.shadow_size * 2, all.rectangle_shadow_size * 2];
             Options { shadow_size: sun, rectangle_shadow_size: rectangle, ..all }
         }),
+        ("shadows of rectangles for each pixel", Options { shared_shadows: false, ..all }),
         ("film as if even in a pixel", Options { skin: SkinOptions { footprint: false, ..skin }, ..all }),
         ("maps without anisotropy", Options { anisotropy: 1, ..all }),
         ("without environment", Options { environment: false, ..all }),

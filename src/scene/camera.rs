@@ -85,6 +85,12 @@ impl Camera {
 }
 
 impl View {
+    /// The point of the lens that `lens`, uniform in the unit square, means: right and up of its middle.
+    #[inline]
+    pub fn lens_point(&self, lens: [f32; 2]) -> Vec2 {
+        if self.aperture > 0.0 { concentric_disk(lens) * self.aperture } else { Vec2::ZERO }
+    }
+
     /// Origin and unit direction of the ray through (`x`, `y`) of the picture, each in [0, 1] from its top left corner,
     /// and the point of the lens that `lens`, uniform in the unit square, means. All rays of one (x, y) meet where the
     /// picture is sharp.
@@ -95,7 +101,7 @@ impl View {
         if self.aperture <= 0.0 {
             return (self.origin, through.normalize());
         }
-        let on_lens = concentric_disk(lens) * self.aperture;
+        let on_lens = self.lens_point(lens);
         let offset = self.right * on_lens.x + self.up * on_lens.y;
         (self.origin + offset, (through * self.focus_distance - offset).normalize_or(self.forward))
     }

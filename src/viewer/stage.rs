@@ -3,11 +3,12 @@
 use std::sync::Arc;
 
 use super::desk::OpenedScene;
+use crate::preview::enough_triangles;
 use crate::scene::spec::{EnvironmentSpec, Surroundings};
 use crate::scene::{EnvironmentImage, SceneSpec};
 
-/// Triangles that are enough for a window.
-const MOST_TRIANGLES: u32 = 40_000;
+/// Columns and rows that triangles are enough for; windows may be larger.
+const USUAL: [usize; 2] = [1280, 960];
 
 /// The light of a scene.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -69,7 +70,8 @@ impl Stage {
     /// A scene with this light, turned around the vertical.
     pub(super) fn new(scene: &OpenedScene, lighting: Lighting, turn_deg: f32) -> Self {
         let mut spec = scene.spec.clone();
-        spec.subject.triangles = spec.subject.triangles.min(MOST_TRIANGLES);
+        let enough = enough_triangles(USUAL, spec.subject.displacement > 0.0);
+        spec.subject.triangles = spec.subject.triangles.min(enough);
         if let Some(kind) = lighting.surroundings() {
             spec.environment = EnvironmentSpec { kind, ..EnvironmentSpec::default() };
             spec.light.clear();

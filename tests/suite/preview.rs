@@ -159,6 +159,30 @@ fn a_preview_of_maps_is_that_picture_where_pixels_have_samples_and_with_a_thicke
     assert!(wrong > MOST && wrong_flip > MOST_FLIP, "{wrong} {wrong_flip}");
 }
 
+/// Shadows that pixels share are nearly those that each looks up alone: nearer than with one small light for all of a
+/// rectangle. With more samples, of which each has other small lights, nothing is shared.
+#[test]
+fn shared_shadows_are_nearly_those_of_each_pixel() {
+    let Some(gpu) = gpu() else { return };
+    let (spec, scene) = scene("coil");
+    let draw = |shared_shadows, rectangle_samples, samples| {
+        let options =
+            Options { shared_shadows, rectangle_samples, samples, once: true, ..Options::default() };
+        let mut renderer = Renderer::new(&gpu, &scene, &options).expect("it fits");
+        let shared = renderer.slots().concat().contains(&"places_shared");
+        (renderer.render(&scene.camera, [160, 120]).expect("a picture").texels, shared)
+    };
+    let (each, _) = draw(false, 16, 1);
+    let apart = |(texels, _): &(Vec<[f32; 3]>, bool)| {
+        let mut errors = ColorErrors::default();
+        texels.iter().zip(&each).for_each(|(a, b)| errors.add(shown(&spec, *a), shown(&spec, *b)));
+        errors.delta_e_mean()
+    };
+    let (shared, one, more) = (draw(true, 16, 1), draw(true, 1, 1), draw(true, 16, 4));
+    assert_eq!((shared.1, one.1, more.1), (true, false, false));
+    assert!(apart(&shared) < 0.5 && apart(&one) > 1.0, "{} {}", apart(&shared), apart(&one));
+}
+
 #[test]
 fn pictures_are_the_same_each_time_at_any_size_and_none_has_no_pixels() {
     let Some(gpu) = gpu() else { return };
@@ -235,6 +259,9 @@ fn the_command_draws_and_tells_what_it_did() {
         json["passes"].as_array().expect("passes").iter().filter_map(|p| p["name"].as_str()).collect();
     let first = ["shadow maps of suns", "shadow maps of rectangles", "picture"];
     assert_eq!(names[..3], first);
+    // Another frame has its shadow maps.
+    assert_eq!(json["again"][0]["name"], "picture");
+    assert_eq!(json["frames_ms"].as_array().map(Vec::len), Some(2));
     // Where pixels are shaded once.
     assert!(names.len() == 3 || names[3..] == ["depths of samples", "edges"], "{names:?}");
     assert!(json["resources"].as_array().is_some_and(|r| r.iter().all(|r| r["bytes"].as_u64() > Some(0))));

@@ -68,7 +68,8 @@ pub(in crate::cli) struct Preview {
     /// Threads; all cores unless set.
     #[arg(long, env = "OPHIDIAN_THREADS", value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub(in crate::cli) threads: Option<u16>,
-    /// Tell passes with their milliseconds on the device, files of shaders, and what lies on the device with bytes.
+    /// Draw once more, and tell passes of both frames with their milliseconds on the device, files of shaders, and what lies on
+    /// the device with bytes.
     #[arg(long)]
     pub(in crate::cli) explain: bool,
     /// Print nothing but problems.

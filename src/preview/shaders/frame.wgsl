@@ -8,18 +8,16 @@ struct Frame {
     sky_layers: f32,
     // Directions of the view at the corners of the picture: middle, to the right, up.
     forward: vec3f,
-    suns: u32,
-    right: vec3f,
     discs: u32,
+    right: vec3f,
+    // Small lights of each rectangle that shine in this sample, and where they are in their parts of it.
+    first_place: u32,
     up: vec3f,
-    rectangles: u32,
+    place_step: u32,
     // Mean radiance of the environment.
     even: vec3f,
     // Added to the level of maps.
     sharper: f32,
-    // Small lights of each rectangle that shine in this sample, and where they are in their parts of it.
-    first_place: u32,
-    place_step: u32,
     place_shift: vec2f,
 }
 

@@ -6,11 +6,11 @@ struct Gathered {
     all: vec3f,
 }
 
-fn gather(g: ptr<function, Gathered>, skin: Skin, wi: vec3f, spread: f32, share: f32, seen: bool) {
+fn gather(g: ptr<function, Gathered>, skin: Skin, wi: vec3f, spread: f32, share: f32, seen: f32) {
     let tints = skin_tints(skin, wi);
     let lobes = skin_lobes(skin, wi, spread) * share;
     let light = tints.gloss * lobes.x + tints.base * lobes.y;
-    (*g).seen += select(vec3f(0.0), light, seen);
+    (*g).seen += light * seen;
     (*g).all += light;
 }
 

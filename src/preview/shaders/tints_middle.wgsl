@@ -7,13 +7,12 @@ struct Gathered {
     middle: vec3f,
 }
 
-fn gather(g: ptr<function, Gathered>, skin: Skin, wi: vec3f, spread: f32, share: f32, seen: bool) {
+fn gather(g: ptr<function, Gathered>, skin: Skin, wi: vec3f, spread: f32, share: f32, seen: f32) {
     let lobes = skin_lobes(skin, wi, spread) * share;
-    let counts = select(0.0, 1.0, seen);
-    (*g).seen += lobes * counts;
+    (*g).seen += lobes * seen;
     (*g).all += lobes;
     // Where none is seen, that of all.
-    (*g).middle += wi * (share * (counts + 1e-3));
+    (*g).middle += wi * (share * (seen + 1e-3));
 }
 
 // Radiance to the eye, where each that is seen sends `light`, and each hides `behind`.

@@ -1,0 +1,85 @@
+//! What is chosen rather than found in a scene, and what suits an adapter.
+
+use super::Gpu;
+use super::program::SkinOptions;
+
+/// What is chosen rather than found in the scene.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Options {
+    /// Of materials.
+    pub skin: SkinOptions,
+    /// Small lights that a rectangle becomes, at least 1; four times as many where 16 pictures or more are averaged, as no
+    /// more of them shine in one.
+    pub rectangle_samples: usize,
+    /// Texels of a side of a sun's shadow map.
+    pub shadow_size: u32,
+    /// Texels of a side of the shadow map of a small light of a rectangle; these blur each other's edges.
+    pub rectangle_shadow_size: u32,
+    /// Most samples of a map along a slanted view, 1 to 16.
+    pub anisotropy: u16,
+    /// Whether a pixel looks up the shadows of a fourth of the small lights of a rectangle, and shares the rest with its
+    /// neighbours, and a quarter of a rectangle is one lobe. Only where pixels have fewer than 4 samples and rectangles 16 small
+    /// lights.
+    pub shared_shadows: bool,
+    /// Whether colours are computed once for each pixel before edges are smoothed, not once for each triangle in it.
+    pub once: bool,
+    /// Pictures that are averaged, each of another place within pixels, at least 1. A multiple of 4 costs least: in each of
+    /// four pictures other ones of a rectangle's small lights shine.
+    pub samples: u32,
+    /// Whether the environment lights objects; it is seen behind them in any case.
+    pub environment: bool,
+    /// Whether suns and rectangles light objects.
+    pub lamps: bool,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            skin: SkinOptions::default(),
+            rectangle_samples: 16,
+            shadow_size: 1024,
+            rectangle_shadow_size: 512,
+            anisotropy: 8,
+            shared_shadows: false,
+            once: false,
+            samples: 1,
+            environment: true,
+            lamps: true,
+        }
+    }
+}
+
+impl Options {
+    /// What suits an adapter. One that is a program on the CPU shades pixels once (Mesa 22.3 shades all that is hidden, too,
+    /// where pixels have samples: measured, four times the time of all else), and gets maps without anisotropy (some slanted
+    /// samples of it read the whole map there: measured, 39 s for a picture that takes 2 without). And what takes long there for
+    /// little that is seen is done by less: see `report preview`.
+    pub fn of(gpu: &Gpu) -> Self {
+        let all = Self::default();
+        if gpu.is_software() {
+            Self { anisotropy: 1, once: true, shared_shadows: true, ..all }
+        } else {
+            Self { samples: 16, ..all }
+        }
+    }
+}
+
+/// Most samples over which the small lights of rectangles are spread, and samples from which on few shine in each.
+pub(super) const MOST_STEP: u32 = 16;
+pub(super) const FEWER_STEP: u32 = 4;
+
+/// What is added to the level of maps where so many samples share a pixel: that of a sample's own part of it, and one more,
+/// as samples do what is left of the mean. Measured at 4 and 16 samples, mean CIEDE2000: 14 and 18 % less than without, and
+/// no more with two levels more.
+pub(super) fn sharper(samples: u32) -> f32 {
+    if samples == 1 { 0.0 } else { -0.5 * (samples as f32).log2() - 1.0 }
+}
+
+/// Triangles that are enough for a subject in a picture of so many pixels: one in some twenty pixels of it. Then its outline is
+/// less than half a pixel from a smooth one, and more cost a program on the CPU most of a picture's time, as they shade whole
+/// squares of 16 pixels. Displaced surfaces need more.
+pub fn enough_triangles([width, height]: [usize; 2], displaced: bool) -> u32 {
+    const MOST: usize = 40_000;
+    let enough = if displaced { MOST } else { (width.saturating_mul(height) / 64).clamp(4000, MOST) };
+    enough as u32
+}

@@ -1,0 +1,131 @@
+//! Pipelines that draw objects: a material's colours, and depth alone.
+
+use super::material::SkinData;
+use super::options::Options;
+use super::program::{SkinProgram, Slot};
+use super::slots::{self, Has, Lit};
+use super::target::{self, Shading};
+use super::textures::Surface;
+use super::{Gpu, PreviewError, binding, mesh};
+use crate::scene::{Material, SceneFeatures};
+
+/// A material ready to be drawn with.
+#[derive(Debug)]
+pub(super) struct Shaded {
+    /// Draws with it.
+    pub(super) pipeline: wgpu::RenderPipeline,
+    /// Bind group 1.
+    pub(super) material: wgpu::BindGroup,
+    /// Bind group 2.
+    pub(super) surface: wgpu::BindGroup,
+    /// The files of its shader.
+    pub(super) slots: Vec<&'static str>,
+    /// What it has and the shader does not.
+    pub(super) left_out: Vec<&'static str>,
+}
+
+impl Shaded {
+    /// A material, and whether what wears it casts shadows; in this light, whose layout of bind group 0 is `frame`, with so many
+    /// suns and rectangles.
+    ///
+    /// # Errors
+    /// If it is out of range or larger than the adapter holds.
+    pub(super) fn new(
+        gpu: &Gpu,
+        (material, casts): (&Material, bool),
+        (lit, lamps): (Lit, [usize; 2]),
+        frame: &wgpu::BindGroupLayout,
+        options: &Options,
+        resources: &mut Vec<(String, u64)>,
+    ) -> Result<Self, PreviewError> {
+        let shading = Shading::of(options.once, options.samples);
+        let program = SkinProgram::new(&SceneFeatures::of_material(material), &options.skin);
+        // Where all texels are alike, the light below the film is that of their thickness.
+        let data = SkinData::new(&material.constants, material.texel(0.5, 0.5).thickness_nm, &program)
+            .map_err(|e| PreviewError::Material(e.to_string()))?;
+        resources.extend(data.tables.iter().map(|t| (t.name.to_owned(), 16 * t.texels.len() as u64)));
+        let material_layout = binding::layout(gpu, &data);
+        let surface = Surface::new(gpu, material, options.anisotropy)?;
+        resources.extend(surface.textures.iter().map(|(name, bytes)| ((*name).to_owned(), *bytes)));
+
+        let film_table = surface.film_table && program.has("film_series");
+        // The table has its own order of the series.
+        let mut constants = if film_table { Vec::new() } else { program.constants() };
+        if !casts {
+            constants.push(("SHADOW_LIFT", 0.0));
+        }
+        let counts = [(lit.suns, "SUNS", lamps[0]), (lit.rectangles.is_some(), "RECTANGLES", lamps[1])];
+        constants.extend(counts.iter().filter(|c| c.0).map(|(_, name, count)| (*name, *count as f64)));
+        let has = Has { maps: material.maps.is_some(), film_table, film_width: surface.film_width };
+        let files = slots::files(&program, has, lit);
+        let module = slots::module(gpu, "skin", &files);
+        let layout = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: Some("skin"),
+            bind_group_layouts: &[Some(frame), Some(&material_layout), Some(&surface.layout)],
+            immediate_size: 0,
+        });
+        let pipeline = gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+            label: Some("skin"),
+            layout: Some(&layout),
+            vertex: wgpu::VertexState {
+                module: &module,
+                entry_point: Some("place"),
+                compilation_options: Default::default(),
+                buffers: &[Some(mesh::LAYOUT)],
+            },
+            primitive: wgpu::PrimitiveState::default(),
+            depth_stencil: Some(target::depth(wgpu::CompareFunction::Equal, false)),
+            multisample: shading.multisample(),
+            fragment: Some(wgpu::FragmentState {
+                module: &module,
+                entry_point: Some("shade"),
+                compilation_options: wgpu::PipelineCompilationOptions {
+                    constants: &constants,
+                    ..Default::default()
+                },
+                targets: &[Some(target::FORMAT.into())],
+            }),
+            multiview_mask: None,
+            cache: None,
+        });
+        let material = binding::group(gpu, &material_layout, &data);
+        let slots = files.iter().map(|f| f.name).collect();
+        let left_out = program.left_out().to_vec();
+        Ok(Self { pipeline, material, surface: surface.group, slots, left_out })
+    }
+}
+
+/// Draws nothing but depth.
+pub(super) fn depth(gpu: &Gpu, frame: &wgpu::BindGroupLayout, shading: Shading) -> wgpu::RenderPipeline {
+    let module = slots::module(gpu, "depth", &slots::slots!["frame", "depth"]);
+    let layout = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+        label: Some("depth"),
+        bind_group_layouts: &[Some(frame)],
+        immediate_size: 0,
+    });
+    gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label: Some("depth"),
+        layout: Some(&layout),
+        vertex: wgpu::VertexState {
+            module: &module,
+            entry_point: Some("place_depth"),
+            compilation_options: Default::default(),
+            buffers: &[Some(mesh::PLACES)],
+        },
+        primitive: wgpu::PrimitiveState::default(),
+        depth_stencil: Some(target::depth(wgpu::CompareFunction::Greater, true)),
+        multisample: shading.multisample(),
+        fragment: Some(wgpu::FragmentState {
+            module: &module,
+            entry_point: Some("no_color"),
+            compilation_options: Default::default(),
+            targets: &[Some(wgpu::ColorTargetState {
+                format: target::FORMAT,
+                blend: None,
+                write_mask: wgpu::ColorWrites::empty(),
+            })],
+        }),
+        multiview_mask: None,
+        cache: None,
+    })
+}

@@ -1,0 +1,91 @@
+// Sixteen small lights of a rectangle as four quarters, each by one lobe. Four neighbouring pixels of a triangle share shadows:
+// each looks up one light of a quarter, another than its neighbours'.
+
+// What the quarters of a rectangle add up to: those that are seen, and those that face the place.
+struct Quarters {
+    // Directions by how much light comes from them, in the shading frame.
+    seen: vec3f,
+    all: vec3f,
+    // Lobes of gloss.
+    gloss_seen: f32,
+    gloss_all: f32,
+}
+
+fn one_rectangle(
+    r: Rectangle,
+    first: u32,
+    skin: Skin,
+    position: vec3f,
+    facet: vec3f,
+    a: Axes,
+    pixel: vec2f,
+) -> vec3f {
+    let axes = mat3x3f(r.x, r.y, r.z);
+    // All in the rectangle's own axes: the place, the facet, and the shading frame.
+    let p = (position - r.center) * axes;
+    let before = p.z > 0.0;
+    let q = vec3f(p.xy, max(p.z, 1e-6));
+    let leaning = facet * axes;
+    let start = q + leaning * (SHADOW_LIFT * r.texel * q.z);
+    // Behind all that casts shadows a map is 1.
+    let depth = min(r.depth.x + r.depth.y / start.z, 1.0);
+    let odd = vec2u(pixel) & vec2u(1u);
+    // Bits of a light's index are (right, pixel, pixel, up), see `hammersley`.
+    var seen = vec4f(
+        one_reaches(r, first, odd, start, depth),
+        one_reaches(r, first + 1u, odd, start, depth),
+        one_reaches(r, first + 8u, odd, start, depth),
+        one_reaches(r, first + 9u, odd, start, depth),
+    );
+    // The mean of four pixels: what one has and what its neighbour has over it.
+    let side = vec2f(0.5) - vec2f(odd);
+    seen += dpdxFine(seen) * side.x;
+    seen += dpdyFine(seen) * side.y;
+    if !before {
+        return vec3f(0.0);
+    }
+
+    let to_shading = transpose(a) * axes;
+    var g = Quarters();
+    quarter(&g, r, skin, q, leaning, to_shading, vec2f(-1.0, -1.0), seen.x);
+    quarter(&g, r, skin, q, leaning, to_shading, vec2f(-1.0, 1.0), seen.y);
+    quarter(&g, r, skin, q, leaning, to_shading, vec2f(1.0, -1.0), seen.z);
+    quarter(&g, r, skin, q, leaning, to_shading, vec2f(1.0, 1.0), seen.w);
+    // All in one colour: that of the middle of what is seen of it; where nothing is seen, of all.
+    let middle = g.seen + 1e-3 * g.all;
+    let wi = middle * inverseSqrt(max(dot(middle, middle), 1e-30));
+    let tints = skin_tints(skin, wi);
+    let lobe = base_lobe(skin, wi.z);
+    // The rectangle hides what is behind it, also where it is not seen itself: the environment shines through objects.
+    let behind = sky_behind(normalize(r.center - position)) * (r.cell.x * r.cell.y);
+    return tints.gloss * (r.light * g.gloss_seen - behind * g.gloss_all)
+        + tints.base * (lobe * (r.light * length(g.seen) - behind * length(g.all)));
+}
+
+// The light of a quarter that this pixel looks up: `low` is the quarter's first.
+fn one_reaches(r: Rectangle, low: u32, odd: vec2u, start: vec3f, depth: f32) -> f32 {
+    let place = rectangles.places[low + 2u * odd.x + 4u * odd.y];
+    return place_reaches(r, low + 2u * odd.x + 4u * odd.y, place, start, depth);
+}
+
+// `toward` tells which one, and `seen` how much of it is.
+fn quarter(
+    g: ptr<function, Quarters>,
+    r: Rectangle,
+    skin: Skin,
+    p: vec3f,
+    leaning: vec3f,
+    to_shading: mat3x3f,
+    toward: vec2f,
+    seen: f32,
+) {
+    let to = vec3f(toward * r.cell - p.xy, -p.z);
+    let over = inverseSqrt(dot(to, to));
+    let share = select(0.0, 4.0 * p.z * over * over * over, dot(leaning, to) > 0.0);
+    let wi = to_shading * (to * over);
+    let gloss = gloss_lobe(skin, wi, 4.0 * r.spread) * share;
+    (*g).seen += wi * (share * seen);
+    (*g).all += wi * share;
+    (*g).gloss_seen += gloss * seen;
+    (*g).gloss_all += gloss;
+}
