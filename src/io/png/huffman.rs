@@ -4,6 +4,8 @@
 //! makes the file larger, because a match costs more than the short codes it stands for. Counting first and coding
 //! after makes the size of a block exact before it is written, so there is one buffer and no growth.
 
+use crate::multiversion;
+
 /// Longest code: four of them and the rest of a byte fit in 64 bits, so that four symbols are written at once.
 const MAX_BITS: usize = 12;
 /// Longest code of the alphabet that tells the lengths of the codes.
@@ -21,10 +23,11 @@ const MAX_REPEAT: usize = 258;
 /// The order in which the lengths of the meta codes are told.
 const META_ORDER: [usize; 19] = [16, 17, 18, 0, 8, 7, 9, 6, 10, 5, 11, 4, 12, 3, 13, 2, 14, 1, 15];
 
-/// Append `bytes`, compressed, to `out`: whole blocks, none of them marked as the last one of a stream, up to the end
-/// of a byte. The size is at most that of `bytes` and 5 bytes in 32 KiB.
-pub(super) fn compress(bytes: &[u8], out: &mut Vec<u8>) {
-    let mut bits = BitWriter { at: out.len(), out, bits: 0, count: 0 };
+/// Compress `bytes` into `out`: whole blocks, none of them marked as the last one of a stream, up to the end of a byte.
+/// Returns their length, at most that of `bytes` and 5 bytes in 32 KiB; what lies behind it in `out`, which grows where it
+/// must, is room for the next time.
+pub(super) fn compress(bytes: &[u8], out: &mut Vec<u8>) -> usize {
+    let mut bits = BitWriter { out, at: 0, bits: 0, count: 0 };
     for block in bytes.chunks(BLOCK) {
         let counts = Counts::of(block);
         let codes = Codes::new(&counts);
@@ -33,12 +36,15 @@ pub(super) fn compress(bytes: &[u8], out: &mut Vec<u8>) {
             bits.stored(block);
         } else {
             bits.reserve(size);
-            codes.tell(&mut bits);
-            tokens(block, &mut Coded { codes: &codes, bits: &mut bits });
-            bits.put(codes.symbols[END]);
+            bits.within(|bits| codes.tell(bits));
+            let literals = codes.literals();
+            bits.within(|bits| {
+                coded(block, &codes.symbols, &literals, bits);
+                bits.put(codes.symbols[END]);
+            });
         }
     }
-    bits.align();
+    bits.align()
 }
 
 /// What a block consists of.
@@ -53,6 +59,7 @@ trait Tokens {
         }
     }
 
+    #[inline(always)]
     fn zeros(&mut self, count: usize) {
         self.literal(0);
         let mut rest = count - 1;
@@ -67,7 +74,21 @@ trait Tokens {
     }
 }
 
+multiversion! {
+    fn counted(block: &[u8], counts: &mut Counts) { tokens(block, counts) }
+}
+
+multiversion! {
+    /// Wider sets have shifts by a register that take one step instead of three.
+    fn coded(block: &[u8], codes: &[Code; SYMBOLS], literals: &[u32; 256], bits: &mut Bits<'_>) {
+        let mut own = Bits { out: &mut *bits.out, ..*bits };
+        tokens(block, &mut Coded { codes, literals, bits: &mut own });
+        (bits.at, bits.bits, bits.count) = (own.at, own.bits, own.count);
+    }
+}
+
 /// Tell the tokens of a block, the same at every call.
+#[inline(always)]
 fn tokens(block: &[u8], to: &mut impl Tokens) {
     let (words, tail) = block.as_chunks::<8>();
     let mut i = 0;
@@ -92,25 +113,28 @@ fn tokens(block: &[u8], to: &mut impl Tokens) {
 
 /// How often each symbol occurs.
 struct Counts {
-    /// Several tables, because a count that was just written is slow to read.
-    literals: [[u32; 256]; 4],
+    /// A table for each byte of a word, because a count that was just written is slow to read; none exceeds [`BLOCK`].
+    literals: [[u16; 256]; 8],
     lengths: [u32; SYMBOLS - END - 1],
 }
 
 impl Counts {
     fn of(block: &[u8]) -> Self {
-        let mut counts = Self { literals: [[0; 256]; 4], lengths: [0; SYMBOLS - END - 1] };
-        tokens(block, &mut counts);
+        let mut counts = Self { literals: [[0; 256]; 8], lengths: [0; SYMBOLS - END - 1] };
+        counted(block, &mut counts);
         counts
     }
 
     fn symbols(&self) -> [u32; SYMBOLS] {
-        let [a, b, c, d] = &self.literals;
-        std::array::from_fn(|s| match s {
-            0..END => a[s] + b[s] + c[s] + d[s],
-            END => 1,
-            _ => self.lengths[s - END - 1],
-        })
+        let mut symbols = [0; SYMBOLS];
+        for table in &self.literals {
+            for (sum, &n) in symbols.iter_mut().zip(table) {
+                *sum += u32::from(n);
+            }
+        }
+        symbols[END] = 1;
+        symbols[END + 1..].copy_from_slice(&self.lengths);
+        symbols
     }
 }
 
@@ -121,8 +145,8 @@ impl Tokens for Counts {
 
     #[inline(always)]
     fn word(&mut self, word: &[u8; 8]) {
-        for (i, &byte) in word.iter().enumerate() {
-            self.literals[i % 4][usize::from(byte)] += 1;
+        for (table, &byte) in self.literals.iter_mut().zip(word) {
+            table[usize::from(byte)] += 1;
         }
     }
 
@@ -132,6 +156,7 @@ impl Tokens for Counts {
 }
 
 /// The symbol of a repeat's length, its extra bits and how many there are (RFC 1951, 3.2.5).
+#[inline(always)]
 fn length_symbol(length: usize) -> (usize, u32, u32) {
     match length {
         MAX_REPEAT => (285, 0, 0),
@@ -200,8 +225,13 @@ impl Codes {
         header + coded.sum::<usize>() + after.sum::<usize>()
     }
 
+    /// The literals' codes, each as its bits and, above them, how many those are.
+    fn literals(&self) -> [u32; 256] {
+        std::array::from_fn(|s| u32::from(self.symbols[s].bits) | u32::from(self.symbols[s].count) << 16)
+    }
+
     /// The head of a block.
-    fn tell(&self, to: &mut BitWriter<'_>) {
+    fn tell(&self, to: &mut Bits<'_>) {
         // Not the last block; codes of its own.
         to.put_bits(0b100, 3);
         let [symbols, meta] = self.told_counts;
@@ -248,18 +278,20 @@ fn run_lengths(lengths: &[u8]) -> Vec<(u8, u8, u8)> {
 /// occur has none; one that is alone has 1.
 fn code_lengths(counts: &[u32], limit: usize, lengths: &mut [u8]) {
     lengths.fill(0);
-    let mut leaves: Vec<(u32, usize)> =
-        counts.iter().enumerate().filter(|(_, n)| **n > 0).map(|(s, &n)| (n, s)).collect();
+    // Rarest first; a number is sorted faster than a pair.
+    let mut leaves: Vec<u64> =
+        counts.iter().zip(0..).filter(|(n, _)| **n > 0).map(|(&n, s)| u64::from(n) << 32 | s).collect();
     leaves.sort_unstable();
-    if let [(_, only)] = leaves[..] {
-        lengths[only] = 1;
+    let symbol = |leaf: u64| (leaf & 0xffff_ffff) as usize;
+    if let [only] = leaves[..] {
+        lengths[symbol(only)] = 1;
     }
     if leaves.len() < 2 {
         return;
     }
     // Nodes by weight: leaves, then pairs in the order they are made, which is ascending, too.
     let n = leaves.len();
-    let mut weight: Vec<u64> = leaves.iter().map(|&(n, _)| u64::from(n)).collect();
+    let mut weight: Vec<u64> = leaves.iter().map(|leaf| leaf >> 32).collect();
     let mut parent = vec![0; 2 * n - 1];
     let (mut leaf, mut pair) = (0, n);
     for made in n..2 * n - 1 {
@@ -295,18 +327,22 @@ fn code_lengths(counts: &[u32], limit: usize, lengths: &mut [u8]) {
     }
     // The rarest get the longest.
     let longest_first = (1..=limit).rev().flat_map(|l| std::iter::repeat_n(l as u8, of_length[l]));
-    for (&(_, symbol), length) in leaves.iter().zip(longest_first) {
-        lengths[symbol] = length;
+    for (&leaf, length) in leaves.iter().zip(longest_first) {
+        lengths[symbol(leaf)] = length;
     }
 }
 
 /// The canonical codes of these lengths, first bit lowest (RFC 1951, 3.2.2).
 fn canonical<const N: usize>(lengths: &[u8; N]) -> [Code; N] {
+    let mut of_length = [0u16; 16];
+    for &length in lengths {
+        of_length[usize::from(length) % 16] += 1;
+    }
     let mut next = [0u16; 16];
     let mut code = 0;
     for length in 1..16 {
         next[length] = code;
-        code = (code + lengths.iter().filter(|&&l| usize::from(l) == length).count() as u16) << 1;
+        code = (code + of_length[length]) << 1;
     }
     lengths.map(|count| {
         if count == 0 {
@@ -321,13 +357,16 @@ fn canonical<const N: usize>(lengths: &[u8; N]) -> [Code; N] {
 
 /// Writes the tokens of a block by its codes.
 struct Coded<'a, 'b> {
-    codes: &'a Codes,
-    bits: &'a mut BitWriter<'b>,
+    codes: &'a [Code; SYMBOLS],
+    /// Each literal's bits, and above them how many there are.
+    literals: &'a [u32; 256],
+    bits: &'a mut Bits<'b>,
 }
 
 impl Tokens for Coded<'_, '_> {
+    #[inline(always)]
     fn literal(&mut self, byte: u8) {
-        self.bits.put(self.codes.symbols[usize::from(byte)]);
+        self.bits.put(self.codes[usize::from(byte)]);
     }
 
     #[inline(always)]
@@ -335,43 +374,41 @@ impl Tokens for Coded<'_, '_> {
         for half in word.as_chunks::<4>().0 {
             let (mut bits, mut count) = (0, 0);
             for &byte in half {
-                let code = self.codes.symbols[usize::from(byte)];
-                bits |= u64::from(code.bits) << count;
-                count += u32::from(code.count);
+                let code = self.literals[usize::from(byte)];
+                bits |= u64::from(code & 0xffff) << count;
+                count += code >> 16;
             }
             self.bits.put_bits(bits, count);
         }
     }
 
+    #[inline(always)]
     fn repeat(&mut self, length: usize) {
         let (symbol, value, extra) = length_symbol(length);
-        self.bits.put(self.codes.symbols[symbol]);
+        self.bits.put(self.codes[symbol]);
         // The distance's only code is a zero.
         self.bits.put_bits(u64::from(value), extra + 1);
     }
 }
 
 /// Bits into bytes, lowest first.
-struct BitWriter<'a> {
-    out: &'a mut Vec<u8>,
-    /// Where the next byte goes; what lies behind it in `out` is room.
+struct Bits<'a> {
+    /// Room that was reserved.
+    out: &'a mut [u8],
+    /// Where the next byte goes.
     at: usize,
     /// Fewer than 8 bits between calls.
     bits: u64,
     count: u32,
 }
 
-impl BitWriter<'_> {
-    /// Make room for so many bits.
-    fn reserve(&mut self, bits: usize) {
-        self.out.resize(self.at + bits / 8 + 16, 0);
-    }
-
+impl Bits<'_> {
+    #[inline(always)]
     fn put(&mut self, code: Code) {
         self.put_bits(u64::from(code.bits), u32::from(code.count));
     }
 
-    /// At most 56 bits, into room that was reserved.
+    /// At most 56 bits.
     #[inline(always)]
     fn put_bits(&mut self, bits: u64, count: u32) {
         self.bits |= bits << self.count;
@@ -381,177 +418,62 @@ impl BitWriter<'_> {
         self.bits >>= self.count & !7;
         self.count &= 7;
     }
+}
+/// Blocks of bits, one after another.
+struct BitWriter<'a> {
+    out: &'a mut Vec<u8>,
+    /// Where the next byte goes; what lies behind it in `out` is room.
+    at: usize,
+    bits: u64,
+    count: u32,
+}
+
+impl BitWriter<'_> {
+    /// Make room for so many bits.
+    fn reserve(&mut self, bits: usize) {
+        let end = self.at + bits / 8 + 16;
+        if self.out.len() < end {
+            self.out.resize(end, 0);
+        }
+    }
+
+    /// Write into the room that was reserved. What is written with is a value of its own, so that a loop keeps it in registers.
+    #[inline(always)]
+    fn within(&mut self, write: impl FnOnce(&mut Bits<'_>)) {
+        let mut bits = Bits { out: &mut self.out[self.at..], at: 0, bits: self.bits, count: self.count };
+        write(&mut bits);
+        (self.bits, self.count) = (bits.bits, bits.count);
+        self.at += bits.at;
+    }
 
     /// The bytes as they are.
     fn stored(&mut self, block: &[u8]) {
         for part in block.chunks(usize::from(u16::MAX)) {
             self.stored_head(part.len() as u16);
-            self.out.extend_from_slice(part);
-            self.at = self.out.len();
+            self.reserve(8 * part.len());
+            self.out[self.at..self.at + part.len()].copy_from_slice(part);
+            self.at += part.len();
         }
     }
 
     /// The head of a stored block, which ends at a byte.
     fn stored_head(&mut self, length: u16) {
         self.reserve(64);
-        self.put_bits(0, 3);
-        self.put_bits(0, (8 - self.count) % 8);
-        self.put_bits(u64::from(length) | u64::from(!length) << 16, 32);
-        self.out.truncate(self.at);
+        self.within(|to| {
+            to.put_bits(0, 3);
+            to.put_bits(0, (8 - to.count) % 8);
+            to.put_bits(u64::from(length) | u64::from(!length) << 16, 32);
+        });
     }
 
-    /// End at a byte: an empty stored block does, where need be.
-    fn align(mut self) {
+    /// End at a byte, which is returned: an empty stored block does, where need be.
+    fn align(mut self) -> usize {
         if self.count > 0 {
             self.stored_head(0);
         }
-        self.out.truncate(self.at);
+        self.at
     }
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::base::hash;
-    use proptest::prelude::*;
-
-    /// What another decoder makes of compressed bytes.
-    fn inflate(blocks: &[u8], length: usize) -> Vec<u8> {
-        let stream: Vec<u8> = blocks.iter().copied().chain([0x03, 0x00]).collect();
-        let mut bytes = vec![0; length + 1];
-        let mut inflate = zlib_rs::Inflate::new(false, 15);
-        let status = inflate.decompress(&stream, &mut bytes, zlib_rs::InflateFlush::Finish);
-        assert_eq!(status, Ok(zlib_rs::Status::StreamEnd));
-        assert_eq!((inflate.total_in(), inflate.total_out()), (stream.len() as u64, length as u64));
-        bytes.truncate(length);
-        bytes
-    }
-
-    fn check(bytes: &[u8]) -> usize {
-        let mut out = vec![7, 7];
-        compress(bytes, &mut out);
-        assert_eq!(out[..2], [7, 7], "what was there stays");
-        assert!(inflate(&out[2..], bytes.len()) == bytes);
-        out.len() - 2
-    }
-
-    #[test]
-    fn lengths_of_repeats_are_those_of_the_standard() {
-        // First length and extra bits of each symbol, from the table of RFC 1951, 3.2.5.
-        let table = [
-            (3, 0),
-            (4, 0),
-            (5, 0),
-            (6, 0),
-            (7, 0),
-            (8, 0),
-            (9, 0),
-            (10, 0),
-            (11, 1),
-            (13, 1),
-            (15, 1),
-            (17, 1),
-            (19, 2),
-            (23, 2),
-            (27, 2),
-            (31, 2),
-            (35, 3),
-            (43, 3),
-            (51, 3),
-            (59, 3),
-            (67, 4),
-            (83, 4),
-            (99, 4),
-            (115, 4),
-            (131, 5),
-            (163, 5),
-            (195, 5),
-            (227, 5),
-            (258, 0),
-        ];
-        for length in 3..=MAX_REPEAT {
-            let i = table.iter().rposition(|&(first, _)| first <= length).unwrap();
-            let (first, extra) = table[i];
-            assert_eq!(length_symbol(length), (257 + i, (length - first) as u32, extra), "{length}");
-        }
-    }
-
-    #[test]
-    fn runs_of_every_length_come_back() {
-        for zeros in (0..600).chain([4095, 65_536, 200_000]) {
-            let mut bytes = vec![5; zeros % 9];
-            bytes.resize(bytes.len() + zeros, 0);
-            bytes.extend([1, 2]);
-            check(&bytes);
-        }
-    }
-
-    #[test]
-    fn few_symbols_many_symbols_and_very_unequal_ones_come_back() {
-        assert_eq!(check(&[]), 0);
-        for byte in [0, 1, 255] {
-            check(&[byte]);
-            check(&[byte; 100]);
-        }
-        let all: Vec<u8> = (0..100_000).map(|i| (i % 256) as u8).collect();
-        // Nothing to gain: stored, with the heads of four blocks.
-        assert!(check(&all) <= all.len() + 4 * 5);
-        // Counts like Fibonacci's numbers make the deepest trees: the limit is reached and repaired.
-        let (mut a, mut b) = (1usize, 1usize);
-        let mut steep = Vec::new();
-        for symbol in 1..24 {
-            steep.extend(std::iter::repeat_n(symbol, a));
-            (a, b) = (b, a + b);
-        }
-        check(&steep[steep.len() - 32_768..]);
-        check(&steep);
-    }
-
-    #[test]
-    fn codes_are_as_short_as_entropy_allows_but_for_half_a_bit() {
-        // Two-sided geometric numbers, as filters leave them.
-        let bytes: Vec<u8> = (0..32_768u32)
-            .map(|i| {
-                let h = hash::hash2(3, i, 0);
-                let size = (h & 0xffff_fff0).leading_zeros() as u8;
-                if h & 1 == 0 { size } else { size.wrapping_neg() }
-            })
-            .collect();
-        let mut counts = [0f64; 256];
-        bytes.iter().for_each(|&b| counts[usize::from(b)] += 1.0);
-        let n = bytes.len() as f64;
-        let entropy: f64 = counts.iter().filter(|c| **c > 0.0).map(|c| -c * (c / n).log2()).sum();
-        let bits = 8.0 * check(&bytes) as f64;
-        assert!(bits > entropy && bits < entropy + 0.5 * n, "{bits} {entropy}");
-    }
-
-    proptest! {
-        #[test]
-        fn lengths_are_a_whole_prefix_code_within_the_limit(
-            counts in proptest::collection::vec(prop_oneof![Just(0u32), 1u32..4, 1u32..1 << 30], 2..286),
-        ) {
-            let mut lengths = vec![0; counts.len()];
-            code_lengths(&counts, MAX_BITS, &mut lengths);
-            let used = counts.iter().filter(|n| **n > 0).count();
-            for (n, length) in counts.iter().zip(&lengths) {
-                prop_assert_eq!(*n > 0, *length > 0);
-                prop_assert!(usize::from(*length) <= MAX_BITS);
-            }
-            let sum: usize = lengths.iter().filter(|l| **l > 0).map(|&l| 1 << (MAX_BITS - usize::from(l))).sum();
-            prop_assert!(used < 2 || sum == 1 << MAX_BITS, "{sum}");
-        }
-
-        #[test]
-        fn any_bytes_come_back(
-            parts in proptest::collection::vec((any::<u8>(), 0usize..400, 0u8..4), 0..300),
-        ) {
-            let bytes: Vec<u8> = parts
-                .into_iter()
-                .flat_map(|(byte, n, spread)| {
-                    (0..n).map(move |i| if spread == 0 { 0 } else { byte.wrapping_add(i as u8 % spread) })
-                })
-                .collect();
-            check(&bytes);
-        }
-    }
-}
+mod tests;

@@ -99,16 +99,14 @@ pub(super) fn encode(
     let mut strip = Strip { told, bytes: Vec::new(), adler: 1, length: 0, samples: hash };
     let texel_bytes = row_bytes / quantiser.width();
     for &(filter, coder) in candidates(compression) {
-        filtered.clear();
         filter::rows(samples, row_bytes, texel_bytes, filter, filtered);
-        tried.clear();
-        match coder {
+        let length = match coder {
             Coder::Huffman => huffman::compress(filtered, tried),
             Coder::Zlib(level) => zlib(filtered, level, tried)?,
-        }
-        if strip.bytes.is_empty() || tried.len() < strip.bytes.len() {
+        };
+        if strip.bytes.is_empty() || length < strip.bytes.len() {
             strip.bytes.clear();
-            strip.bytes.extend_from_slice(tried);
+            strip.bytes.extend_from_slice(&tried[..length]);
             strip.adler = zlib_rs::adler32::adler32(1, filtered);
             strip.length = filtered.len() as u64;
         }
@@ -116,8 +114,8 @@ pub(super) fn encode(
     Ok(strip)
 }
 
-/// Append deflate blocks by zlib-rs up to the end of a byte.
-fn zlib(bytes: &[u8], level: i32, out: &mut Vec<u8>) -> Result<(), Problem> {
+/// Deflate blocks by zlib-rs up to the end of a byte; as [`huffman::compress`].
+fn zlib(bytes: &[u8], level: i32, out: &mut Vec<u8>) -> Result<usize, Problem> {
     let config = DeflateConfig { level, window_bits: -15, ..DeflateConfig::default() };
     let mut deflate = Deflate::new_with_config(config);
     // Its bound on a stream, and the empty block of the flush.
@@ -127,6 +125,5 @@ fn zlib(bytes: &[u8], level: i32, out: &mut Vec<u8>) -> Result<(), Problem> {
     if status != Status::Ok || deflate.total_in() != bytes.len() as u64 {
         return Err(bad(format!("{} of {} bytes were compressed", deflate.total_in(), bytes.len())));
     }
-    out.truncate(deflate.total_out() as usize);
-    Ok(())
+    Ok(deflate.total_out() as usize)
 }
