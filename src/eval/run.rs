@@ -6,6 +6,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use rayon::prelude::*;
 
 use super::slabs::{Window, cuts};
+use crate::base::kept::Kept;
 use crate::base::watch::{Watch, Watched, Work};
 use crate::base::{MapKind, Plane, Rows};
 use crate::node::{Cx, Inputs, Outputs, Prepared};
@@ -114,6 +115,8 @@ pub(super) struct Runner<'a> {
     /// Of lanes that are made slab by slab.
     pub(super) windows: Vec<Option<Window>>,
     pool: Vec<Vec<f32>>,
+    /// Rows of scratch lanes that bands work in, kept from stage to stage.
+    scratch: Kept<Vec<Vec<f32>>>,
     prepared: Vec<Option<Prepared>>,
     /// Maps that are still to show each lane.
     shown_by: BTreeMap<usize, usize>,
@@ -159,6 +162,7 @@ impl<'a> Runner<'a> {
             planes: vec![None; plan.homes.len()],
             windows: plan.homes.iter().map(|_| None).collect(),
             pool: Vec::new(),
+            scratch: Kept::new(),
             prepared: plan.steps.iter().map(|_| None).collect(),
             total_cost: plan.steps.iter().map(Step::cost_ns).sum::<f32>().max(1e-9),
             done_cost: AtomicU64::new(0),
@@ -304,7 +308,16 @@ impl<'a> Runner<'a> {
             }
         }
         by_band.into_par_iter().zip(cuts).for_each_init(
-            || vec![vec![0.0f32; stage.band_rows * width]; stage.scratch_slots],
+            || {
+                let mut scratch = self.scratch.borrow();
+                if scratch.len() < stage.scratch_slots {
+                    scratch.resize_with(stage.scratch_slots, Vec::new);
+                }
+                for slot in &mut scratch[..stage.scratch_slots] {
+                    slot.resize(stage.band_rows * width, 0.0);
+                }
+                scratch
+            },
             |scratch, (mut own, &(first, rows))| {
                 if self.control.cancelled() {
                     return;

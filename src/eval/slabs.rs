@@ -23,36 +23,40 @@ pub enum Stopped<E> {
     By(E),
 }
 
-/// The rows of a lane that are held: `data` begins with row `first`, which may lie before the torus' row 0.
+/// The rows of a lane that are held: the first `held` values of `data`, which begin with row `first`; it may lie before the
+/// torus' row 0. What lies behind them is room.
 #[derive(Debug)]
 pub(super) struct Window {
     data: Vec<f32>,
+    held: usize,
     first: i64,
 }
 
 impl Window {
     pub(super) fn rows(&self, width: usize, height: usize) -> Rows<'_> {
-        Rows::window(&self.data, width, height, self.first)
+        Rows::window(&self.data[..self.held], width, height, self.first)
     }
 
-    /// Room for so many values.
+    /// Room for so many values, whose pages are the threads' to touch that write them.
     fn new(values: usize) -> Self {
-        Self { data: Vec::with_capacity(values), first: 0 }
+        Self { data: vec![0.0; values], held: 0, first: 0 }
     }
 
-    /// Forget the rows before `keep`, make room for those up to `end`, and return the room for rows from `from` on.
+    /// Forget the rows before `keep`, make room for those up to `end`, and return the room for rows from `from` on, all of
+    /// which is to be written.
     fn roll(&mut self, width: usize, keep: i64, from: i64, end: i64) -> &mut [f32] {
-        if self.data.is_empty() {
+        if self.held == 0 {
             self.first = from;
         }
         let keep = keep.clamp(self.first, from);
         let gone = (keep - self.first) as usize * width;
-        let held = self.data.len();
-        self.data.copy_within(gone.min(held).., 0);
+        self.data.copy_within(gone.min(self.held)..self.held, 0);
         self.first = keep;
-        self.data.truncate(held.saturating_sub(gone));
-        self.data.resize((end - keep) as usize * width, 0.0);
-        &mut self.data[(from - keep) as usize * width..]
+        self.held = (end - keep) as usize * width;
+        if self.data.len() < self.held {
+            self.data.resize(self.held, 0.0);
+        }
+        &mut self.data[(from - keep) as usize * width..self.held]
     }
 }
 
@@ -186,10 +190,10 @@ mod tests {
         assert_eq!(window.rows(2, 8).row(-3), [0.0, 1.0]);
         assert_eq!(window.rows(2, 8).row(9), [8.0, 9.0]);
         window.roll(2, 0, 2, 3).fill(7.0);
-        assert_eq!((window.first, window.data.len()), (0, 6));
+        assert_eq!((window.first, window.held), (0, 6));
         assert_eq!((window.rows(2, 8).row(0), window.rows(2, 8).row(2)), (&[6.0, 7.0][..], &[7.0, 7.0][..]));
         // Nothing is wanted of it: it holds the new rows only.
         window.roll(2, 9, 3, 5).fill(1.0);
-        assert_eq!((window.first, window.data.len()), (3, 4));
+        assert_eq!((window.first, window.held), (3, 4));
     }
 }

@@ -19,6 +19,7 @@ use serde::{Deserialize, Serialize};
 use self::strip::{Scratch, Strip};
 use super::Problem;
 use crate::base::MapKind;
+use crate::base::kept::Kept;
 use crate::base::watch::{Watched, Work};
 use crate::maps::{Depth, EncodeOptions, MapImage, MapTold, Quantiser, RowTold};
 
@@ -81,6 +82,7 @@ pub(super) struct Stream<W: Write> {
     hashes: Option<Vec<blake3::Hash>>,
     adler: u32,
     chunk: Vec<u8>,
+    scratch: Kept<Scratch>,
 }
 
 impl<W: Write> Stream<W> {
@@ -115,6 +117,7 @@ impl<W: Write> Stream<W> {
             adler: 1,
             // The head of a zlib stream: deflate, a window of 32 KiB.
             chunk: vec![0x78, 0x01],
+            scratch: Kept::new(),
         })
     }
 
@@ -142,11 +145,15 @@ impl<W: Write> Stream<W> {
             let made: Vec<Result<Strip, Problem>> = batch
                 .par_iter()
                 .with_max_len(1)
-                .map_init(Scratch::default, |scratch, rows| {
-                    let hashed = self.hashes.is_some();
-                    let strip = || strip::encode(quantiser, self.compression, rows.clone(), hashed, scratch);
-                    watched.piece(Work::Encode, strip)
-                })
+                .map_init(
+                    || self.scratch.borrow(),
+                    |scratch, rows| {
+                        let hashed = self.hashes.is_some();
+                        let strip =
+                            || strip::encode(quantiser, self.compression, rows.clone(), hashed, scratch);
+                        watched.piece(Work::Encode, strip)
+                    },
+                )
                 .collect();
             for strip in made {
                 self.put(strip?, watched)?;
@@ -165,7 +172,11 @@ impl<W: Write> Stream<W> {
         }
         self.adler = zlib_rs::adler32::adler32_combine(self.adler, strip.adler, strip.length);
         self.told.extend(strip.told);
-        self.chunk.extend(strip.bytes);
+        if self.chunk.is_empty() {
+            self.chunk = strip.bytes;
+        } else {
+            self.chunk.extend(strip.bytes);
+        }
         if let (Some(hashes), Some(hash)) = (&mut self.hashes, strip.samples) {
             hashes.push(hash);
         }

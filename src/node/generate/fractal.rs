@@ -241,7 +241,9 @@ impl Fractal {
         at.set(&cx.domain, ins, DU, y);
         let gain = ins.constant(GAIN).map(num::saturate);
         out.fill(0.0);
-        weight.fill(1.0);
+        if self.sum == Sum::Ridged {
+            weight.fill(1.0);
+        }
         let (mut amp, mut total) = (1.0, 0.0);
         if gain.is_none() {
             sums.begin(out.len());
