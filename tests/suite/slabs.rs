@@ -92,16 +92,19 @@ fn slabs_change_no_bit_of_nodes_that_read_from_afar() {
 }
 
 #[test]
-fn a_plan_takes_slabs_only_where_it_must_and_says_what_it_would_need() {
+fn a_plan_takes_slabs_where_planes_are_large_and_says_what_it_would_need() {
     let graph = made::graph("python_regius", &[]);
-    let domain = made::domain(&graph, 4096);
+    let sized = |size, budget| Plan::in_slabs(&graph, &MapKind::FIVE, made::domain(&graph, size), budget, 64);
+    let (large, slabs) = sized(4096, None).expect("a plan");
+    assert!(slabs.is_some() && large.peak_bytes <= 64 << 20, "{}", large.peak_bytes);
+    let domain = made::domain(&graph, 1024);
     let whole = Plan::new(&graph, &MapKind::FIVE, domain, None).expect("a plan").peak_bytes;
-    let plan = |budget| Plan::in_slabs(&graph, &MapKind::FIVE, domain, budget, 64);
+    let plan = |budget| sized(1024, budget);
     assert!(plan(None).expect("a plan").1.is_none() && plan(Some(whole)).expect("a plan").1.is_none());
-    let (small, slabs) = plan(Some(whole / 4)).expect("a plan");
-    assert!(slabs.is_some() && small.peak_bytes <= whole / 4);
+    let (small, slabs) = plan(Some(whole / 2)).expect("a plan");
+    assert!(slabs.is_some() && small.peak_bytes <= whole / 2);
     let Err(PlanError::Memory { need, budget: 1000 }) = plan(Some(1000)) else { panic!("it cannot fit") };
-    assert!(need < whole / 4 && plan(Some(need)).is_ok() && plan(Some(need - 1)).is_err());
+    assert!(need < whole / 2 && plan(Some(need)).is_ok() && plan(Some(need - 1)).is_err());
 }
 
 #[test]
