@@ -244,19 +244,19 @@ pub fn ellipse(x: f32, y: f32, a: f32, b: f32) -> f32 {
     // A half axis of 0 would divide by zero; a thousandth looks like a segment.
     let (a, b) = ((a / unit).max(1e-3), (b / unit).max(1e-3));
     let (x, y) = (x.abs() / unit, y.abs() / unit);
-    let (mut tx, mut ty) = (0.707_106_77_f32, 0.707_106_77_f32);
     let focus = (a - b) * (a + b);
-    for _ in 0..6 {
+    let step = |[tx, ty]: [f32; 2]| {
         let (ex, ey) = (focus * tx * tx * tx / a, -focus * ty * ty * ty / b);
         let curvature_radius = length(a * tx - ex, b * ty - ey);
         let (qx, qy) = (x - ex, y - ey);
         let k = curvature_radius / length(qx, qy).max(1e-18);
-        tx = num::saturate((qx * k + ex) / a);
-        ty = num::saturate((qy * k + ey) / b);
+        let tx = num::saturate((qx * k + ex) / a);
+        let ty = num::saturate((qy * k + ey) / b);
         let norm = length(tx, ty).max(1e-18);
-        tx /= norm;
-        ty /= norm;
-    }
+        [tx / norm, ty / norm]
+    };
+    // Written out: a loop within the loop over texels would keep that from becoming lanes.
+    let [tx, ty] = step(step(step(step(step(step([0.707_106_77; 2]))))));
     let d = length(x - a * tx, y - b * ty) * unit;
     let (fx, fy) = (x / a, y / b);
     if fx * fx + fy * fy < 1.0 { -d } else { d }
