@@ -419,6 +419,7 @@ impl Bits<'_> {
         self.count &= 7;
     }
 }
+
 /// Blocks of bits, one after another.
 struct BitWriter<'a> {
     out: &'a mut Vec<u8>,
