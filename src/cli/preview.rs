@@ -99,7 +99,7 @@ pub(super) fn run(args: &Preview) -> Result<Exit, Failure> {
                 width: size[0],
                 height: size[1],
                 samples: SAMPLES,
-                transport: Transport::Direct { environment_shadows: false },
+                transport: Transport::Direct { environment_shadows: args.occlusion.unwrap_or(false) },
                 ..Settings::default()
             };
             let film = trace(&renderer, &settings, Some(args.budget), stop, &progress, &pool);
@@ -140,7 +140,12 @@ pub(super) fn run(args: &Preview) -> Result<Exit, Failure> {
 /// The picture by a graphics adapter.
 fn draw(gpu: &Gpu, scene: &Scene, size: [usize; 2], args: &Preview) -> Result<Drawn, PreviewError> {
     let suited = Options::of(gpu);
-    let options = Options { samples: args.samples.unwrap_or(suited.samples), ..suited };
+    let occlusion_slices = match args.occlusion {
+        Some(true) => Options::SLICES,
+        Some(false) => 0,
+        None => suited.occlusion_slices,
+    };
+    let options = Options { samples: args.samples.unwrap_or(suited.samples), occlusion_slices, ..suited };
     let mut renderer = Renderer::new(gpu, scene, &options)?;
     let mut frames_ms = Vec::new();
     let mut frame = || {

@@ -34,8 +34,10 @@ pub(super) struct FrameUniform {
     pub(super) sharper: f32,
     /// ... and where within its part of the rectangle it is, from -1/2 to 1/2.
     pub(super) place_shift: [f32; 2],
+    /// Turns pictures that are averaged apart, in the noise of their openings to the environment: in [0, 1).
+    pub(super) turn: f32,
     /// To 16 bytes.
-    pub(super) padding: [f32; 2],
+    pub(super) padding: f32,
 }
 
 /// What is nearer than so much of the way to the target is not seen.

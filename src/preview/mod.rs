@@ -13,7 +13,8 @@
 //! the first picture, and by the environment filtered beforehand; then what is behind them. Adapters that are programs
 //! take two: one that shades each pixel once, and one that smooths edges. Where pictures are averaged, each of another place
 //! within pixels and with other small lights, four or more need no edges of their own. Light comes straight from its
-//! source, and the environment's through everything: `Transport::Direct` of the path tracer.
+//! source, and the environment's through everything, as `Transport::Direct` of the path tracer has it; or, where it is asked for,
+//! not through what is in the picture: two or three passes more, before.
 //!
 //! Nothing here panics over what a machine lacks: what cannot be done comes back as an error that names the number.
 
@@ -29,6 +30,7 @@ mod lamps;
 pub mod lobe;
 pub mod material;
 mod mesh;
+mod occlusion;
 mod options;
 pub mod program;
 mod render;

@@ -30,6 +30,9 @@ pub struct Options {
     pub environment: bool,
     /// Whether suns and rectangles light objects.
     pub lamps: bool,
+    /// Planes in which each pixel looks for what hides the environment from it (ambient occlusion in screen space), 2 are
+    /// enough; with 0 the environment's light goes through everything.
+    pub occlusion_slices: u32,
 }
 
 impl Default for Options {
@@ -45,21 +48,29 @@ impl Default for Options {
             samples: 1,
             environment: true,
             lamps: true,
+            occlusion_slices: 0,
         }
     }
 }
 
 impl Options {
+    /// Planes in which each pixel looks for what hides the environment: with one it errs by twice as much, four gain nothing.
+    pub const SLICES: u32 = 2;
+
     /// What suits an adapter. One that is a program on the CPU shades pixels once (Mesa 22.3 shades all that is hidden, too,
     /// where pixels have samples: measured, four times the time of all else), and gets maps without anisotropy (some slanted
     /// samples of it read the whole map there: measured, 39 s for a picture that takes 2 without). And what takes long there for
     /// little that is seen is done by less: see `report preview`.
+    ///
+    /// What hides the environment is sought where the adapter is no such program: there it is as much work as half of all else.
+    /// Pictures of a coil by day are off by a quarter to a half of what they are without, from direct light that is truly hidden
+    /// (CIEDE2000 of 0.6 in place of 2.4 with an even skin, 1.6 in place of 3.4 with maps).
     pub fn of(gpu: &Gpu) -> Self {
         let all = Self::default();
         if gpu.is_software() {
             Self { anisotropy: 1, once: true, shared_shadows: true, ..all }
         } else {
-            Self { samples: 16, ..all }
+            Self { samples: 16, occlusion_slices: Self::SLICES, ..all }
         }
     }
 }

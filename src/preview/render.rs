@@ -9,13 +9,15 @@ use super::edges::Edges;
 use super::frame::{FrameUniform, lens_of};
 use super::lamps::{Casters, Lamps, hammersley};
 use super::mesh::DeviceMesh;
+use super::occlusion::Occlusion;
 use super::options::{self, FEWER_STEP, MOST_STEP, Options};
 use super::shaded::{self, Shaded};
 use super::shadows::Shadows;
 use super::slots::{Lit, Places, Sky};
 use super::target::{Shading, Target};
 use super::timing::Timing;
-use super::{Gpu, PreviewError, environment, textures};
+use super::{Gpu, PreviewError, environment, occlusion, textures};
+use crate::base::num;
 use crate::scene::{Camera, Scene};
 
 /// Linear light, as the scene has it.
@@ -45,6 +47,7 @@ pub struct Renderer<'g> {
     depth: wgpu::RenderPipeline,
     shading: Shading,
     edges: Option<Edges>,
+    occlusion: Option<Occlusion>,
     background: Background,
     target: Option<Target>,
     timing: Option<Timing>,
@@ -132,11 +135,14 @@ impl<'g> Renderer<'g> {
             false => Places::Middle,
         };
         let rectangles = rectangle_maps.is_some().then_some(places);
-        let lit = Lit { suns: sun_maps.is_some(), rectangles, sky };
+        let hidden = options.occlusion_slices > 0 && sky != Sky::Dark;
+        let lit = Lit { suns: sun_maps.is_some(), rectangles, sky, hidden };
         let lamp_counts = [lamps.suns.len(), lamps.rectangles.len()];
         let maps = [sun_maps.as_ref(), rectangle_maps.as_ref(), sky_view.as_ref()];
         let bound = Bound::new(gpu, &frame_block, &lamps, maps);
 
+        let planes = (options.occlusion_slices, occlusion::has_floor(scene));
+        let occlusion = hidden.then(|| Occlusion::new(gpu, &bound.layout, planes, samples));
         let shading = Shading::of(options.once, samples);
         let mut materials = Vec::new();
         for (i, material) in scene.materials.iter().enumerate() {
@@ -144,7 +150,8 @@ impl<'g> Renderer<'g> {
             let casts = casters.objects.iter().any(|o| scene.objects[*o].material == i);
             let make = || {
                 let light = (lit, lamp_counts);
-                Shaded::new(gpu, (material, casts), light, &bound.layout, options, &mut resources)
+                let groups = [Some(&bound.layout), occlusion.as_ref().map(|o| &o.layout)];
+                Shaded::new(gpu, (material, casts), light, groups, options, &mut resources)
             };
             materials.push(worn.then(make).transpose()?);
         }
@@ -160,6 +167,7 @@ impl<'g> Renderer<'g> {
             depth: shaded::depth(gpu, &bound.layout, shading),
             shading,
             edges: (shading == Shading::Pixels).then(|| Edges::new(gpu, &bound.layout)),
+            occlusion,
             background,
             target: None,
             timing: Timing::new(gpu),
@@ -181,6 +189,9 @@ impl<'g> Renderer<'g> {
             Some(target) => target,
             None => Target::new(self.gpu, [width, height], self.shading)?,
         };
+        if let Some(occlusion) = &mut self.occlusion {
+            occlusion.fit(self.gpu, &target);
+        }
         let mut sum = Vec::new();
         let mut passes: Vec<(&'static str, Option<f64>)> = Vec::new();
         for sample in 0..self.samples {
@@ -196,6 +207,8 @@ impl<'g> Renderer<'g> {
                 first_place: (offset + block) % self.place_step,
                 place_step: self.place_step,
                 place_shift: hammersley(block as usize, visits as usize).map(|t| t - 0.5),
+                // As even as can be at any number (the golden ratio).
+                turn: num::fract(0.618_034 * sample as f32),
                 ..FrameUniform::new(camera, [width, height], shift, lens_of(sample, self.samples))
             };
             self.gpu.queue.write_buffer(&self.frame_block, 0, bytemuck::bytes_of(&frame));
@@ -220,6 +233,12 @@ impl<'g> Renderer<'g> {
         for shadows in self.shadows.iter_mut().filter(|s| !s.drawn) {
             shadows.draw(&mut encoder, &self.meshes, self.timing.as_ref().map(|t| t.pair(names.len())));
             names.push(shadows.name);
+        }
+        if let Some(occlusion) = &self.occlusion {
+            let first = names.len();
+            let times = |i: usize| self.timing.as_ref().map(|t| t.pair(first + i));
+            occlusion.draw(self.gpu, &mut encoder, target, (&self.frame_group, &self.meshes), times);
+            names.extend(occlusion.passes());
         }
         self.shade(&mut encoder, target, names.len());
         names.push("picture");
@@ -248,11 +267,17 @@ impl<'g> Renderer<'g> {
 
     /// Draw objects, and what is behind them.
     fn shade(&self, encoder: &mut wgpu::CommandEncoder, target: &Target, place: usize) {
-        let mut pass = target.begin(encoder, self.timing.as_ref().map(|t| t.pair(place)));
+        let measured = self.occlusion.is_some() && self.shading != Shading::Triangles;
+        let mut pass = target.begin(encoder, measured, self.timing.as_ref().map(|t| t.pair(place)));
         pass.set_bind_group(0, &self.frame_group, &[]);
-        // Depth alone first, so that only what is seen is shaded.
-        pass.set_pipeline(&self.depth);
-        self.meshes.iter().for_each(|(mesh, _)| mesh.draw(&mut pass));
+        if !measured {
+            // Depth alone first, so that only what is seen is shaded.
+            pass.set_pipeline(&self.depth);
+            self.meshes.iter().for_each(|(mesh, _)| mesh.draw(&mut pass));
+        }
+        if let Some(occlusion) = &self.occlusion {
+            occlusion.bind(&mut pass);
+        }
         for (mesh, material) in &self.meshes {
             if let Some(Some(shaded)) = self.materials.get(*material) {
                 pass.set_pipeline(&shaded.pipeline);
@@ -267,7 +292,8 @@ impl<'g> Renderer<'g> {
     /// What lies on the device, with bytes.
     pub fn resources(&self) -> Vec<(String, u64)> {
         let target = self.target.as_ref().map(|t| ("picture and depth".to_owned(), t.bytes()));
-        self.resources.iter().cloned().chain(target).collect()
+        let openings = self.occlusion.as_ref().map(|o| ("occlusion".to_owned(), o.bytes()));
+        self.resources.iter().cloned().chain(target).chain(openings).collect()
     }
 
     /// What materials have and no shader draws: the picture differs from the reference's by it.

@@ -25,8 +25,8 @@ pub(super) struct Shaded {
 }
 
 impl Shaded {
-    /// A material, and whether what wears it casts shadows; in this light, whose layout of bind group 0 is `frame`, with so many
-    /// suns and rectangles.
+    /// A material, and whether what wears it casts shadows; in this light, with so many suns and rectangles; and the
+    /// layouts of bind group 0, and of group 3, where something hides the environment.
     ///
     /// # Errors
     /// If it is out of range or larger than the adapter holds.
@@ -34,7 +34,7 @@ impl Shaded {
         gpu: &Gpu,
         (material, casts): (&Material, bool),
         (lit, lamps): (Lit, [usize; 2]),
-        frame: &wgpu::BindGroupLayout,
+        [frame, openings]: [Option<&wgpu::BindGroupLayout>; 2],
         options: &Options,
         resources: &mut Vec<(String, u64)>,
     ) -> Result<Self, PreviewError> {
@@ -59,9 +59,10 @@ impl Shaded {
         let has = Has { maps: material.maps.is_some(), film_table, film_width: surface.film_width };
         let files = slots::files(&program, has, lit);
         let module = slots::module(gpu, "skin", &files);
+        let groups = [frame, Some(&material_layout), Some(&surface.layout), openings];
         let layout = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some("skin"),
-            bind_group_layouts: &[Some(frame), Some(&material_layout), Some(&surface.layout)],
+            bind_group_layouts: &groups[..if openings.is_some() { 4 } else { 3 }],
             immediate_size: 0,
         });
         let pipeline = gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {

@@ -8,6 +8,7 @@
 //! | rectangles | `rectangles_none`, or `rectangles` with `places_shared`, or with `places_each` and the next |
 //! | colours of small lights | `tints_middle`, `tints_each` |
 //! | light from all around | `sky_none`, `sky_even`, `sky_image` |
+//! | what hides it | `open_all`, or `open_screen` with the passes of occlusion.rs |
 
 use super::Gpu;
 use super::program::{SkinProgram, Slot};
@@ -28,6 +29,8 @@ pub(super) struct Lit {
     pub(super) rectangles: Option<Places>,
     /// Light from all around.
     pub(super) sky: Sky,
+    /// Whether the picture's depths hide some of it.
+    pub(super) hidden: bool,
 }
 
 /// The small lights of rectangles.
@@ -76,8 +79,11 @@ pub(super) fn files(program: &SkinProgram, has: Has, lit: Lit) -> Vec<Slot> {
         Sky::Image => image,
     };
     let mut files = vec![frame];
-    let series =
-        |slot: &&Slot| ["film_series", "fringes", "beyond"].iter().any(|start| slot.name.starts_with(start));
+    let series = |slot: &&Slot| {
+        ["film_series", "fringes", "beyond"]
+            .iter()
+            .any(|start| slot.name.starts_with(start))
+    };
     if has.film_table {
         files.extend(program.slots().iter().filter(|slot| !series(slot)));
         files.extend(slots!["film_table"]);
@@ -99,7 +105,8 @@ pub(super) fn files(program: &SkinProgram, has: Has, lit: Lit) -> Vec<Slot> {
         Some(Places::Each) => files.extend([rectangles, each_tint, each]),
         None => files.push(no_rectangles),
     }
-    files.extend([sky, shade]);
+    let [all, screen] = slots!["open_all", "open_screen"];
+    files.extend([if lit.hidden { screen } else { all }, sky, shade]);
     files
 }
 
@@ -151,7 +158,8 @@ mod tests {
                     let rectangles =
                         [None, Some(Places::Shared), Some(Places::Middle), Some(Places::Each)][bits / 2];
                     for sky in [Sky::Dark, Sky::Even, Sky::Image] {
-                        let lit = Lit { suns, rectangles, sky };
+                        let hidden = sky != Sky::Dark && (suns ^ maps);
+                        let lit = Lit { suns, rectangles, sky, hidden };
                         let has = Has { maps, ..Has::default() };
                         all.push(files(&program, has, lit));
                         if maps && features.film {
@@ -165,7 +173,8 @@ mod tests {
         let [frame, background, even, image] =
             slots!["frame", "background", "surroundings_even", "surroundings_image"];
         let [lamp, shadow, depth, edges] = slots!["lamp", "shadow", "depth", "edges"];
-        all.extend([vec![frame, depth], vec![edges]]);
+        let [facing, search, mean] = slots!["facing", "occlusion", "occlusion_mean"];
+        all.extend([vec![frame, depth], vec![edges], vec![frame, facing], vec![frame, search], vec![mean]]);
         all.extend([
             vec![frame, even, background],
             vec![frame, image, background],
@@ -193,6 +202,7 @@ mod tests {
                 ("rectangle_maps", "rectangles"),
                 ("width_map", "width_map"),
                 ("sky", "sky_image"),
+                ("openings", "open_screen"),
                 ("color_map", "maps"),
                 ("film_table", "film_table"),
                 ("picture", "surroundings_image"),
@@ -205,7 +215,7 @@ mod tests {
     #[test]
     fn blocks_lie_in_memory_as_shaders_read_them() {
         let program = SkinProgram::new(&features()[1], &SkinOptions::default());
-        let lit = Lit { suns: true, rectangles: Some(Places::Middle), sky: Sky::Dark };
+        let lit = Lit { suns: true, rectangles: Some(Places::Middle), sky: Sky::Dark, hidden: false };
         let skin = parse(&join(&files(&program, Has::default(), lit)));
         let [frame, even, background] = slots!["frame", "surroundings_even", "background"];
         let background = parse(&join(&[frame, even, background]));
@@ -237,7 +247,8 @@ mod tests {
             place_step,
             even,
             sharper,
-            place_shift
+            place_shift,
+            turn
         );
         block!(&skin, "Sun", Sun, direction, spread, irradiance, texel, shadow);
         block!(

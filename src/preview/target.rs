@@ -7,7 +7,7 @@ use super::{Gpu, PreviewError};
 
 /// Linear light.
 pub(super) const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
-const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
+pub(super) const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 /// Samples of a pixel's edges.
 const SAMPLES: u32 = 4;
 
@@ -58,7 +58,7 @@ pub(super) fn depth(compare: wgpu::CompareFunction, write: bool) -> wgpu::DepthS
 #[derive(Debug)]
 pub(super) struct Target {
     size: [usize; 2],
-    shading: Shading,
+    pub(super) shading: Shading,
     /// What is shaded: samples, or pixels.
     pub(super) color: wgpu::TextureView,
     /// Of what is shaded.
@@ -107,6 +107,7 @@ impl Target {
         let pixels = texture("picture", 1, FORMAT, attachment | wgpu::TextureUsages::COPY_SRC);
         let read = attachment | wgpu::TextureUsages::TEXTURE_BINDING;
         let used = if shading == Shading::Pixels { read } else { attachment };
+        let measured = if shading == Shading::Triangles { attachment } else { read };
         let samples = || view(&texture("depths of samples", SAMPLES, DEPTH, read));
         Ok(Self {
             size: [width, height],
@@ -115,7 +116,7 @@ impl Target {
                 Shading::Middles => view(&pixels),
                 _ => view(&texture("colors", shading.samples(), FORMAT, used)),
             },
-            depth: view(&texture("depths", shading.samples(), DEPTH, used)),
+            depth: view(&texture("depths", shading.samples(), DEPTH, measured)),
             samples: (shading == Shading::Pixels).then(samples),
             whole: view(&pixels),
             pixels,
@@ -145,10 +146,11 @@ impl Target {
         pixels * u64::from(texel) + self.buffer.size()
     }
 
-    /// Begin to shade on black: samples, which become the picture, or pixels.
+    /// Begin to shade on black: samples, which become the picture, or pixels; on the depths that are there if `measured`.
     pub(super) fn begin<'e>(
         &self,
         encoder: &'e mut wgpu::CommandEncoder,
+        measured: bool,
         times: Option<wgpu::RenderPassTimestampWrites<'_>>,
     ) -> wgpu::RenderPass<'e> {
         let (resolved, store) = match self.shading {
@@ -158,7 +160,7 @@ impl Target {
         encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("picture"),
             color_attachments: &[Some(onto(&self.color, resolved, store))],
-            depth_stencil_attachment: Some(before(&self.depth, store)),
+            depth_stencil_attachment: Some(before(&self.depth, measured, store)),
             timestamp_writes: times,
             ..Default::default()
         })
@@ -172,7 +174,7 @@ impl Target {
     ) -> wgpu::RenderPass<'e> {
         encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("depths of samples"),
-            depth_stencil_attachment: Some(before(samples, wgpu::StoreOp::Store)),
+            depth_stencil_attachment: Some(before(samples, false, wgpu::StoreOp::Store)),
             timestamp_writes: times,
             ..Default::default()
         })
@@ -229,7 +231,7 @@ impl Target {
 }
 
 /// Colours onto black.
-fn onto<'v>(
+pub(super) fn onto<'v>(
     view: &'v wgpu::TextureView,
     resolve_target: Option<&'v wgpu::TextureView>,
     store: wgpu::StoreOp,
@@ -238,9 +240,14 @@ fn onto<'v>(
     wgpu::RenderPassColorAttachment { view, depth_slice: None, resolve_target, ops }
 }
 
-/// Depths before what is at the far end.
-fn before(view: &wgpu::TextureView, store: wgpu::StoreOp) -> wgpu::RenderPassDepthStencilAttachment<'_> {
-    let depth_ops = Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store });
+/// Depths before what is at the far end, or those that are there.
+pub(super) fn before(
+    view: &wgpu::TextureView,
+    there: bool,
+    store: wgpu::StoreOp,
+) -> wgpu::RenderPassDepthStencilAttachment<'_> {
+    let load = if there { wgpu::LoadOp::Load } else { wgpu::LoadOp::Clear(0.0) };
+    let depth_ops = Some(wgpu::Operations { load, store });
     wgpu::RenderPassDepthStencilAttachment { view, depth_ops, stencil_ops: None }
 }
 

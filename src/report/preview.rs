@@ -86,7 +86,8 @@ pub fn report(
             Sizes { compared: [48, 36], samples: [16, 16], shortcuts: [96, 54], frame: [96, 54] }
         }
     };
-    let options = Options::of(gpu);
+    // The first truth is without.
+    let options = Options { occlusion_slices: 0, ..Options::of(gpu) };
     let [width, height] = sizes.compared;
     let mut page = Page::new("The preview: how wrong its pictures are, and what they take");
     page.prose(format!(
@@ -152,6 +153,17 @@ pub fn report(
             case.scene.name, case.skin, sizes.shortcuts[0], sizes.shortcuts[1]
         ));
         page.table(shortcuts(gpu, case, &truth, &options, &sizes, watch)?);
+    }
+
+    if let Some(case) = cases.first() {
+        watch(0.79, "occlusion");
+        page.heading("What hides the environment");
+        page.prose(format!(
+            "Ambient occlusion of `{}`, {} on it, against direct light that objects do keep off each other, and against all \
+             light. Light that goes from surface to surface is in the last one only.",
+            case.scene.name, case.skin
+        ));
+        page.table(occlusion(gpu, case, &options, &sizes)?);
     }
 
     watch(0.8, "films");
@@ -326,6 +338,26 @@ fn shortcuts(
     let apart = Apart::new(&shown(case, &drawn), truth, sizes.compared[0])?;
     let row = [Cell::text(format!("bloom of {BLOOM}")), Cell::Fixed(ms, 1)];
     table.row(row.into_iter().chain(apart.cells()));
+    Ok(table)
+}
+
+/// Occlusion in the picture against that of the scene.
+fn occlusion(gpu: &Gpu, case: &Case, options: &Options, sizes: &Sizes) -> Result<Table, Problem> {
+    let columns = ["planes", "truth", "ms", "RMSE", "FLIP", "dE mean", "dE 50%", "dE 95%", "dE 99%"];
+    let mut table = Table::new("occlusion", "Ambient occlusion", &columns);
+    let tracer = reference::Renderer::new(&case.scene)?;
+    let truths = [("direct, hidden", Transport::Direct { environment_shadows: true }), ("all light", FULL)]
+        .map(|(name, transport)| (name, trace(&tracer, case, sizes, transport)));
+    for occlusion_slices in [0, 1, Options::SLICES, 4] {
+        let options = Options { occlusion_slices, ..*options };
+        let drawn = draw(gpu, case, &options, sizes.compared)?;
+        let ms = time(gpu, case, &options, sizes.shortcuts)?;
+        for (name, truth) in &truths {
+            let apart = Apart::new(&drawn, truth, sizes.compared[0])?;
+            let row = [Cell::Count(occlusion_slices.into()), Cell::text(name), Cell::Fixed(ms, 1)];
+            table.row(row.into_iter().chain(apart.cells()));
+        }
+    }
     Ok(table)
 }
 

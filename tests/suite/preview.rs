@@ -6,6 +6,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
+use glam::Vec3;
 use ophidian::base::{Domain, LinearRgb, MapKind, num};
 use ophidian::maps::{SetId, assemble};
 use ophidian::optics::cie;
@@ -13,8 +14,8 @@ use ophidian::plan::Plan;
 use ophidian::preview::{Gpu, Options, PreviewError, Renderer};
 use ophidian::reference::{self, Control, Settings, Transport};
 use ophidian::report::metric::{ColorErrors, PIXELS_PER_DEGREE, flip};
-use ophidian::scene::spec::SceneSpec;
-use ophidian::scene::{Inputs, Scene, SkinMaps, builtin};
+use ophidian::scene::spec::{SceneSpec, Surroundings};
+use ophidian::scene::{Camera, Environment, Inputs, Scene, SkinMaps, builtin};
 use ophidian::{eval, graph, preset};
 use serde_json::Value;
 
@@ -54,6 +55,11 @@ fn sees_one_surface(pixel: &reference::Pixel) -> bool {
     (n[0] * n[0] + n[1] * n[1] + n[2] * n[2]).sqrt() > 0.98
 }
 
+/// What suits the adapter, with the environment's light through everything.
+fn open(gpu: &Gpu) -> Options {
+    Options { occlusion_slices: 0, ..Options::of(gpu) }
+}
+
 /// What a preview draws, by the path tracer.
 fn direct_light([width, height]: [usize; 2], samples: u32) -> Settings {
     let transport = Transport::Direct { environment_shadows: false };
@@ -70,7 +76,7 @@ fn a_preview_is_the_path_tracers_picture_of_direct_light() {
     let settings = direct_light(size, 128);
     let film = reference::Renderer::new(&scene).expect("a sound scene").render(&settings, Control::default());
     let apart = |scene: &Scene| {
-        let mut renderer = Renderer::new(&gpu, scene, &Options::of(&gpu)).expect("it fits");
+        let mut renderer = Renderer::new(&gpu, scene, &open(&gpu)).expect("it fits");
         let picture = renderer.render(&scene.camera, size).expect("a picture");
         let mut errors = ColorErrors::default();
         for (texel, pixel) in picture.texels.iter().zip(&film.pixels).filter(|(_, p)| sees_one_surface(p)) {
@@ -128,7 +134,7 @@ fn a_preview_of_maps_is_that_picture_where_pixels_have_samples_and_with_a_thicke
         traced(&even, &Settings { samples: 32, ..settings }).pixels.iter().map(sees_one_surface).collect();
     let truth: Vec<_> = film.rgb().iter().map(|t| shown(&spec, *t).map(|c| c as f32)).collect();
     let apart = |scene: &Scene, samples: u32| {
-        let options = Options { samples, ..Options::of(&gpu) };
+        let options = Options { samples, ..open(&gpu) };
         let mut renderer = Renderer::new(&gpu, scene, &options).expect("it fits");
         let picture = renderer.render(&scene.camera, size).expect("a picture");
         // Silhouettes are the truth's in both, so that no difference of theirs is seen around them.
@@ -157,6 +163,84 @@ fn a_preview_of_maps_is_that_picture_where_pixels_have_samples_and_with_a_thicke
     let (wrong, wrong_flip) = apart(&scene, SAMPLES);
     assert!(once > MOST && once_flip > MOST_FLIP, "{once} {once_flip}");
     assert!(wrong > MOST && wrong_flip > MOST_FLIP, "{wrong} {wrong_flip}");
+}
+
+/// What things hide of an even sky from the floor around a sphere that lies on it: of light by the cosine (r/d)^3 at a distance d from
+/// its middle, a form factor. The sphere's lower half, which no picture from above shows, is in it.
+#[test]
+fn the_floor_around_a_sphere_loses_what_the_sphere_hides() {
+    let Some(gpu) = gpu() else { return };
+    let mut spec = builtin::scene("sphere").expect("a built-in scene");
+    spec.subject.triangles = 8000;
+    spec.environment.kind = Surroundings::Even;
+    (spec.camera.elevation_deg, spec.camera.fill) = (50.0, 0.35);
+    let scene = Scene::build(&spec, &Inputs::default()).expect("it can be built");
+    let size = [120, 90];
+    let draw = |occlusion_slices: u32| {
+        let options = Options { occlusion_slices, samples: 16, ..Options::of(&gpu) };
+        let mut renderer = Renderer::new(&gpu, &scene, &options).expect("it fits");
+        renderer.render(&scene.camera, size).expect("a picture").texels
+    };
+    let (with, without) = (draw(Options::SLICES), draw(0));
+    let (mut sum, mut plain, mut count) = (0.0, 0.0, 0);
+    for (i, (with, without)) in with.iter().zip(&without).enumerate() {
+        let at = [(i % size[0]) as f32 + 0.5, (i / size[0]) as f32 + 0.5];
+        let (o, d) = scene.camera.ray(at[0] / size[0] as f32, at[1] / size[1] as f32, 4.0 / 3.0, [0.5; 2]);
+        let place = o - d * (o.y / d.y);
+        let to_middle = Vec3::new(0.0, 0.5, 0.0) - place;
+        let middle_of_ray = o + d * (Vec3::new(0.0, 0.5, 0.0) - o).dot(d);
+        // Not the sphere, nor its outline.
+        if d.y < 0.0 && (middle_of_ray - Vec3::new(0.0, 0.5, 0.0)).length() > 0.53 {
+            let hidden = (0.5 / to_middle.length()).powi(3);
+            sum += (with[1] / without[1] - (1.0 - hidden)).abs();
+            plain += hidden;
+            count += 1;
+        }
+    }
+    let (error, plain) = (sum / count as f32, plain / count as f32);
+    println!("{error} of {plain} at {count} places");
+    assert!(count > 5000 && error < 0.02 && plain > 2.0 * error, "{error} {plain} {count}");
+}
+
+/// Where objects hide the environment from each other, a picture in which its depths hide it is nearer to the path tracer's than one
+/// through which it shines, and nearer to that of light through everything without.
+#[test]
+fn occlusion_is_that_of_the_path_tracer() {
+    let Some(gpu) = gpu() else { return };
+    let (spec, scene) = scene("coil");
+    let size = [96, 72];
+    let tracer = reference::Renderer::new(&scene).expect("a sound scene");
+    let film = |environment_shadows| {
+        let transport = Transport::Direct { environment_shadows };
+        tracer.render(&Settings { transport, ..direct_light(size, 128) }, Control::default())
+    };
+    let (hidden, shining) = (film(true), film(false));
+    let draw = |occlusion_slices, samples, once| {
+        let options = Options { occlusion_slices, samples, once, ..Options::of(&gpu) };
+        let mut renderer = Renderer::new(&gpu, &scene, &options).expect("it fits");
+        let picture = renderer.render(&scene.camera, size).expect("a picture");
+        let on = occlusion_slices > 0;
+        assert_eq!(renderer.slots().concat().contains(&"open_screen"), on);
+        assert_eq!(picture.passes.iter().any(|(name, _)| *name == "occlusion"), on);
+        assert_eq!(renderer.resources().iter().any(|(name, _)| name == "occlusion"), on);
+        picture.texels
+    };
+    let apart = |texels: &[[f32; 3]], film: &reference::Film| {
+        let mut errors = ColorErrors::default();
+        for (texel, pixel) in texels.iter().zip(&film.pixels).filter(|(_, p)| sees_one_surface(p)) {
+            errors.add(shown(&spec, *texel), shown(&spec, pixel.rgb()));
+        }
+        errors.delta_e_mean()
+    };
+    let plain = draw(0, 1, true);
+    assert!(apart(&plain, &hidden) > 2.0 && apart(&plain, &shining) < 1.0);
+    // Shaded once, in samples, and averaged.
+    for (samples, once, most) in [(1, true, 1.5), (1, false, 1.5), (16, true, 1.0)] {
+        let occluded = draw(Options::SLICES, samples, once);
+        let (right, wrong) = (apart(&occluded, &hidden), apart(&occluded, &shining));
+        println!("{samples} {once}: {right} {wrong}");
+        assert!(right < most && wrong > 2.0, "{samples} {once}: {right} {wrong}");
+    }
 }
 
 /// Shadows that pixels share are nearly those that each looks up alone: nearer than with one small light for all of a
@@ -199,6 +283,33 @@ fn pictures_are_the_same_each_time_at_any_size_and_none_has_no_pixels() {
     assert!(matches!(wide, PreviewError::TooLarge { needed: 1_048_576, .. }), "{wide}");
     // And it still draws.
     assert_eq!(renderer.render(&scene.camera, [33, 17]).expect("a picture").texels, first.texels);
+}
+
+/// One pixel, one column, nothing to be seen and no environment: with occlusion, too, a picture of finite numbers.
+#[test]
+fn occlusion_of_extreme_pictures_is_finite() {
+    let Some(gpu) = gpu() else { return };
+    let (_, mut scene) = scene("coil");
+    for once in [true, false] {
+        let options = Options { occlusion_slices: 3, once, ..Options::default() };
+        let mut renderer = Renderer::new(&gpu, &scene, &options).expect("it fits");
+        let first = renderer.render(&scene.camera, [33, 17]).expect("a picture");
+        let away = Camera { target: scene.camera.position + Vec3::Y, ..scene.camera };
+        let beside = Camera { position: Vec3::new(0.3, 0.01, 0.2), ..scene.camera };
+        for (camera, size) in
+            [(scene.camera, [1, 1]), (scene.camera, [1, 40]), (away, [8, 8]), (beside, [24, 16])]
+        {
+            let picture = renderer.render(&camera, size).expect("a picture");
+            assert!(picture.texels.iter().flatten().all(|c| c.is_finite() && *c >= 0.0), "{size:?}");
+        }
+        assert_eq!(renderer.render(&scene.camera, [33, 17]).expect("a picture").texels, first.texels);
+    }
+    // Nothing to hide: no pass.
+    scene.environment = Environment::Constant(LinearRgb([0.0; 3]));
+    let options = Options { occlusion_slices: 3, ..Options::default() };
+    let mut renderer = Renderer::new(&gpu, &scene, &options).expect("it fits");
+    let picture = renderer.render(&scene.camera, [8, 8]).expect("a picture");
+    assert!(picture.passes.iter().all(|(name, _)| *name != "occlusion"));
 }
 
 /// Mirrors, no film, a film of millimetres, no light at all: a picture of finite numbers.

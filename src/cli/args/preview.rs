@@ -65,6 +65,10 @@ pub(in crate::cli) struct Preview {
     /// gets truer, and takes so many times as long. 16 unless set; 1 where the adapter is a program on the CPU.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
     pub(in crate::cli) samples: Option<u32>,
+    /// Whether objects hide the environment from each other: ambient occlusion, which a graphics adapter sees in the depths of
+    /// the picture. Unless set, where the adapter is no program on the CPU.
+    #[arg(long, value_name = "BOOL", num_args = 0..=1, require_equals = true, default_missing_value = "true")]
+    pub(in crate::cli) occlusion: Option<bool>,
     /// Threads; all cores unless set.
     #[arg(long, env = "OPHIDIAN_THREADS", value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub(in crate::cli) threads: Option<u16>,

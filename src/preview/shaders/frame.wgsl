@@ -19,6 +19,8 @@ struct Frame {
     // Added to the level of maps.
     sharper: f32,
     place_shift: vec2f,
+    // Turns pictures that are averaged apart, in the noise of their openings to the environment.
+    turn: f32,
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;

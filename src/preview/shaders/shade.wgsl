@@ -14,7 +14,7 @@ fn shade(v: Varying, @builtin(front_facing) front: bool) -> @location(0) vec4f {
     let a = shading_axes(v, facet, front, found.bump, to_eye);
     let skin = skin_view(found.point, to_eye * a);
     let lamps = sun_light(skin, v.position, facet, a) + rectangle_light(skin, v.position, facet, a, v.clip.xy);
-    let light = lamps + sky_light(skin, facet, a);
+    let light = lamps + sky_light(skin, opening(v.clip.xy, facet), facet, a);
     // What lamps hide of the environment may be more than is left of it, by rounding.
     return vec4f(clamp(light, vec3f(0.0), vec3f(BRIGHTEST)), 1.0);
 }

@@ -7,18 +7,21 @@
 // Its lobe is a third of a steradian wide.
 const BEHIND = 3u;
 
-fn sky_light(skin: Skin, facet: vec3f, a: Axes) -> vec3f {
+fn sky_light(skin: Skin, open: Open, facet: vec3f, a: Axes) -> vec3f {
     let normal = a[2];
     // Where normals vary, light is nearer to that from everywhere.
     let one = sqrt(1.0 - skin.hidden);
     // Of a hemisphere that leans, this share is above the facet.
-    let open = 0.5 + 0.5 * dot(normal, facet) * one;
-    let irradiance = mix(frame.even, sky_layer(normal, u32(frame.sky_layers)), one) * open;
+    let share = (0.5 + 0.5 * dot(normal, facet) * one) * open.share;
+    // What bumps turn is turned towards the opening as the facet is.
+    let seen = normalize(normal + (open.towards - facet));
+    let irradiance = mix(frame.even, sky_layer(seen, u32(frame.sky_layers)), one) * share;
     let to_eye = a * skin.wo;
     let mirrored = reflect(-to_eye, normal);
     let rough = sqrt(skin_alpha(skin));
     // And of a lobe that dips below it, this.
-    let above = saturate(0.5 + 0.5 * dot(mirrored, facet) / max(skin_alpha(skin), 0.02));
+    let over = saturate(0.5 + 0.5 * dot(mirrored, facet) / max(skin_alpha(skin), 0.02));
+    let above = min(over, clear_of(open, mirrored, skin_alpha(skin)));
     let layer = min(rough * (frame.sky_layers - 1.0), frame.sky_layers - 1.0);
     let low = u32(layer);
     let high = min(low + 1u, u32(frame.sky_layers) - 1u);

@@ -1,6 +1,6 @@
 // Darkness all around.
 
-fn sky_light(skin: Skin, facet: vec3f, a: Axes) -> vec3f {
+fn sky_light(skin: Skin, open: Open, facet: vec3f, a: Axes) -> vec3f {
     return vec3f(0.0);
 }
 

@@ -37,6 +37,12 @@ fn axes(z: vec3f, tangent: vec3f, sign: f32) -> Axes {
     return Axes(x, cross(z, x) * sign, z);
 }
 
+// What of the environment a place sees: a direction in its middle, and the share of light that arrives, by the cosine.
+struct Open {
+    towards: vec3f,
+    share: f32,
+}
+
 // Least cosine between shading normal and eye.
 const LEAST_COSINE = 1e-3;
 
