@@ -31,7 +31,7 @@ pub(super) fn run(args: &Report) -> Result<Exit, Failure> {
         ReportKind::Convergence => convergence(args, effort, &progress, &mut watch)?,
         ReportKind::Textures => textures(args, &mut watch)?,
         #[cfg(feature = "preview")]
-        ReportKind::Preview => preview(effort, &progress, &mut watch)?,
+        ReportKind::Preview => preview(args, effort, &progress, &mut watch)?,
     };
     let files = report.files();
     files.iter().try_for_each(|(name, text)| io::write_text(&args.output.join(name), text))?;
@@ -77,7 +77,12 @@ fn textures(args: &Report, watch: report::Watch<'_>) -> Result<report::Report, F
 
 /// Built-in scenes and skins, drawn and traced.
 #[cfg(feature = "preview")]
-fn preview(effort: Effort, progress: &Progress, watch: report::Watch<'_>) -> Result<report::Report, Failure> {
+fn preview(
+    args: &Report,
+    effort: Effort,
+    progress: &Progress,
+    watch: report::Watch<'_>,
+) -> Result<report::Report, Failure> {
     use crate::preview::Gpu;
     use crate::report::preview::{Case, report};
     use crate::scene::builtin::BUILTIN;
@@ -110,6 +115,10 @@ fn preview(effort: Effort, progress: &Progress, watch: report::Watch<'_>) -> Res
     }
     let mut plain = case("thesis", &first)?;
     plain.scene.materials.iter_mut().for_each(|material| material.maps = None);
-    pool.install(|| report(&gpu, &cases, &plain, effort, watch))
+    let size = args.size.map(|size| match size {
+        SizeArg::Longer(n) => [n, (3 * n / 4).max(1)],
+        SizeArg::Exact(width, height) => [width, height],
+    });
+    pool.install(|| report(&gpu, &cases, &plain, (effort, size), watch))
         .map_err(|e| Failure::usage(e, "see `ophidian preview --explain` for what the adapter holds"))
 }

@@ -157,7 +157,7 @@ fn pipeline(
     vertices: Option<wgpu::VertexBufferLayout<'_>>,
     shading: Shading,
 ) -> wgpu::RenderPipeline {
-    let module = slots::module(gpu, "background", files);
+    let module = slots::module(gpu, "background", files, "");
     let groups: Vec<_> = groups.iter().map(|g| Some(*g)).collect();
     let layout = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
         label: Some("background"),

@@ -1,6 +1,8 @@
 //! Smooth edges of a picture whose pixels were shaded once: the depths of samples tell what each pixel shows, and its
 //! neighbours in what colour.
 
+use glam::Vec3;
+
 use super::mesh::{self, DeviceMesh};
 use super::program::Slot;
 use super::target::{self, Target};
@@ -9,7 +11,8 @@ use super::{Gpu, slots, textures};
 /// Two passes: depths of samples, and the picture. See edges.wgsl.
 #[derive(Debug)]
 pub(super) struct Edges {
-    depths: wgpu::RenderPipeline,
+    /// For all triangles, and for those that face the eye.
+    depths: [wgpu::RenderPipeline; 2],
     picture: wgpu::RenderPipeline,
     layout: wgpu::BindGroupLayout,
     sampler: wgpu::Sampler,
@@ -40,24 +43,26 @@ impl Edges {
                 immediate_size: 0,
             })
         };
-        let place = slots::module(gpu, "depth", &slots::slots!["frame", "depth"]);
-        let depths = gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-            label: Some("depths of samples"),
-            layout: Some(&groups(frame)),
-            vertex: wgpu::VertexState {
-                module: &place,
-                entry_point: Some("place_depth"),
-                compilation_options: Default::default(),
-                buffers: &[Some(mesh::PLACES)],
-            },
-            primitive: wgpu::PrimitiveState::default(),
-            depth_stencil: Some(target::depth(wgpu::CompareFunction::Greater, true)),
-            multisample: target::Shading::Triangles.multisample(),
-            fragment: None,
-            multiview_mask: None,
-            cache: None,
+        let place = slots::module(gpu, "depth", &slots::slots!["frame", "depth"], "");
+        let depths = [false, true].map(|hides_backs| {
+            gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+                label: Some("depths of samples"),
+                layout: Some(&groups(frame)),
+                vertex: wgpu::VertexState {
+                    module: &place,
+                    entry_point: Some("place_depth"),
+                    compilation_options: Default::default(),
+                    buffers: &[Some(mesh::PLACES)],
+                },
+                primitive: mesh::sides(hides_backs),
+                depth_stencil: Some(target::depth(wgpu::CompareFunction::Greater, true)),
+                multisample: target::Shading::Triangles.multisample(),
+                fragment: None,
+                multiview_mask: None,
+                cache: None,
+            })
         });
-        let module = slots::module(gpu, "edges", &slots::slots!["edges"]);
+        let module = slots::module(gpu, "edges", &slots::slots!["edges"], "");
         let picture = gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
             label: Some("edges"),
             layout: Some(&groups(&layout)),
@@ -83,16 +88,19 @@ impl Edges {
         Self { depths, picture, layout, sampler }
     }
 
-    /// Draw the depths of meshes; `frame` is bind group 0 of objects.
+    /// Draw the depths of meshes that this eye sees; `frame` is bind group 0 of objects.
     pub(super) fn depths(
         &self,
         pass: &mut wgpu::RenderPass<'_>,
         frame: &wgpu::BindGroup,
         meshes: &[(DeviceMesh, usize)],
+        eye: Vec3,
     ) {
-        pass.set_pipeline(&self.depths);
         pass.set_bind_group(0, frame, &[]);
-        meshes.iter().for_each(|(mesh, _)| mesh.draw(pass));
+        for (mesh, _) in meshes {
+            pass.set_pipeline(&self.depths[usize::from(mesh.hides_backs(eye))]);
+            mesh.draw(pass);
+        }
     }
 
     /// Draw the picture of what was shaded, whose samples have these depths.

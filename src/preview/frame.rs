@@ -36,8 +36,8 @@ pub(super) struct FrameUniform {
     pub(super) place_shift: [f32; 2],
     /// Turns pictures that are averaged apart, in the noise of their openings to the environment: in [0, 1).
     pub(super) turn: f32,
-    /// To 16 bytes.
-    pub(super) padding: f32,
+    /// Depth times distance.
+    pub(super) near: f32,
 }
 
 /// What is nearer than so much of the way to the target is not seen.
@@ -70,6 +70,7 @@ impl FrameUniform {
             forward: (view.forward + right * x + up * y - view.right * lean.x - view.up * lean.y).to_array(),
             right: right.to_array(),
             up: up.to_array(),
+            near,
             ..Self::default()
         }
     }

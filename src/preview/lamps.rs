@@ -58,6 +58,20 @@ pub(super) struct Rectangle {
     pub(super) depth: [f32; 2],
     /// Sides of the part of it that each stands for.
     pub(super) cell: [f32; 2],
+    /// What is in the middle of all shadow maps: its place at distance 1, ...
+    pub(super) pivot: [f32; 2],
+    /// ... and one over its distance.
+    pub(super) over: f32,
+    /// To 8 bytes.
+    pub(super) padding: f32,
+    /// Sixteen small lights are at the first one's place and, for each bit of the index, ...
+    pub(super) corner: [f32; 2],
+    /// To 16 bytes.
+    pub(super) padding_2: [f32; 2],
+    /// ... a step: of bits 0 and 1, ...
+    pub(super) low_steps: [f32; 4],
+    /// ... of 2 and 3.
+    pub(super) high_steps: [f32; 4],
 }
 
 /// `Disc` of background.wgsl: a sun as the eye sees it.
@@ -147,12 +161,12 @@ impl Lamps {
                     let axes = Mat4::from_cols(x.extend(0.0), y.extend(0.0), z.extend(0.0), Vec4::W);
                     let look = axes.transpose() * Mat4::from_translation(-center);
                     let seen = casters.seen_from(&look, &places);
-                    all.places.extend(places.iter().zip(&seen.middles).map(|(place, middle)| {
-                        let [u, v] = (*middle * seen.scale).to_array();
+                    all.places.extend(places.iter().map(|place| {
+                        let [u, v] = (seen.middle(*place) * seen.scale).to_array();
                         [place.x, place.y, 0.5 - u, 0.5 + v]
                     }));
-                    all.seen.extend(places.iter().zip(&seen.middles).map(|(place, middle)| {
-                        let (s, m) = (2.0 * seen.scale, *middle);
+                    all.seen.extend(places.iter().map(|place| {
+                        let (s, m) = (2.0 * seen.scale, seen.middle(*place));
                         let project = Mat4::from_cols(
                             Vec4::new(s, 0.0, 0.0, 0.0),
                             Vec4::new(0.0, s, 0.0, 0.0),
@@ -161,6 +175,8 @@ impl Lamps {
                         );
                         project * Mat4::from_translation(-place.extend(0.0)) * look
                     }));
+                    let step = |i: usize| places.get(i).map_or(Vec2::ZERO, |place| *place - places[0]);
+                    let steps = |i: usize, j: usize| [step(i).x, step(i).y, step(j).x, step(j).y];
                     all.rectangles.push(Rectangle {
                         x: x.to_array(),
                         first,
@@ -174,6 +190,12 @@ impl Lamps {
                         scale: seen.scale,
                         depth: seen.depth,
                         cell: [u.length(), v.dot(y).abs()].map(|half| 2.0 * half / (count as f32).sqrt()),
+                        pivot: seen.pivot.to_array(),
+                        over: seen.over,
+                        corner: places[0].to_array(),
+                        low_steps: steps(1, 2),
+                        high_steps: steps(4, 8),
+                        ..Rectangle::default()
                     });
                 }
             }
@@ -302,40 +324,52 @@ impl Casters {
         let points: Vec<Vec3> = self.points.iter().map(|p| look.transform_point3(*p)).collect();
         let (near, far) = points.iter().fold((f32::INFINITY, 0.0_f32), |(a, b), p| (a.min(p.z), b.max(p.z)));
         if far <= 0.0 {
-            // All middles are outside: nothing is in a shadow.
-            return Seen { scale: 1.0, depth: [0.0; 2], middles: vec![Vec2::splat(-9.0); places.len()] };
+            // All middles are far outside: nothing is in a shadow.
+            return Seen { scale: 1.0, depth: [0.0; 2], pivot: Vec2::splat(-1e6), over: 0.0 };
         }
-        let windows: Vec<(Vec2, Vec2)> = places
-            .iter()
-            .map(|place| {
-                let start = (Vec2::INFINITY, Vec2::NEG_INFINITY);
-                let (low, high) = points.iter().fold(start, |(low, high), p| {
-                    let p = (p.truncate() - *place) / p.z.max(1e-6);
-                    (low.min(p), high.max(p))
-                });
-                // From among them a map sees this far to each side, and what is behind it casts nothing.
-                (low.max(Vec2::splat(-4.0)), high.min(Vec2::splat(4.0)))
-            })
-            .collect();
-        let width = windows.iter().fold(1e-6_f32, |w, (low, high)| w.max((*high - *low).max_element()));
         let (near, far) = (near.max(1e-3 * far) / EDGE, far * EDGE);
+        // From among them a map sees this far to each side, and what is behind it casts nothing.
+        let most = Vec2::splat(4.0);
+        let projected = |p: &Vec3, place: Vec2| ((p.truncate() - place) / p.z.max(1e-6)).clamp(-most, most);
+        let start = (Vec2::INFINITY, Vec2::NEG_INFINITY);
+        let (low, high) = points.iter().fold(start, |(low, high), p| {
+            let p = projected(p, Vec2::ZERO);
+            (low.min(p), high.max(p))
+        });
         let depth = far / (far - near);
-        Seen {
-            scale: 1.0 / (width * EDGE),
+        let mut seen = Seen {
+            scale: 1.0,
             depth: [depth, -depth * near],
-            middles: windows.iter().map(|(low, high)| 0.5 * (*low + *high)).collect(),
-        }
+            pivot: 0.5 * (low + high),
+            over: 2.0 / (near + far),
+        };
+        let half = places.iter().fold(1e-6_f32, |half, place| {
+            let middle = seen.middle(*place);
+            let reach = |p| (projected(p, *place) - middle).abs().max_element();
+            points.iter().fold(half, |half, p| half.max(reach(p)))
+        });
+        seen.scale = 1.0 / (2.0 * half * EDGE);
+        seen
     }
 }
 
-/// Shadow maps that are as wide and as deep.
+/// Shadow maps that are as wide and as deep, and look at one point.
 struct Seen {
     /// Maps across at distance 1.
     scale: f32,
     /// Depth is the first, and the second over the distance.
     depth: [f32; 2],
-    /// What each one looks at, at distance 1.
-    middles: Vec<Vec2>,
+    /// Where the point is at distance 1, from the middle of the rectangle.
+    pivot: Vec2,
+    /// One over its distance.
+    over: f32,
+}
+
+impl Seen {
+    /// What a map looks at, at distance 1 of its light.
+    fn middle(&self, place: Vec2) -> Vec2 {
+        self.pivot - place * self.over
+    }
 }
 
 /// Room around what a shadow map holds.
@@ -455,6 +489,6 @@ mod tests {
         scene.lights.truncate(2);
         let lamps = Lamps::new(&scene, &Casters::new(&scene), 16, 1, [64; 2]).expect("two suns");
         assert_eq!((lamps.suns.len(), lamps.discs.len()), (2, 2));
-        assert_eq!((lamps.sun_block().len(), lamps.rectangle_block().len()), (32 * 96, 32 * 96 + 128 * 16));
+        assert_eq!((lamps.sun_block().len(), lamps.rectangle_block().len()), (32 * 96, 32 * 160 + 128 * 16));
     }
 }

@@ -1,6 +1,7 @@
 //! Meshes on the device.
 
 use bytemuck::{Pod, Zeroable};
+use glam::Vec3;
 use wgpu::util::DeviceExt;
 
 use super::{Gpu, PreviewError};
@@ -31,12 +32,19 @@ pub(super) const LAYOUT: wgpu::VertexBufferLayout<'static> = wgpu::VertexBufferL
 pub(super) const PLACES: wgpu::VertexBufferLayout<'static> =
     wgpu::VertexBufferLayout { attributes: ATTRIBUTES.split_at(1).0, ..LAYOUT };
 
+/// How triangles are drawn: all of them, or those that face the eye, where no other is seen.
+pub(super) fn sides(hides_backs: bool) -> wgpu::PrimitiveState {
+    wgpu::PrimitiveState { cull_mode: hides_backs.then_some(wgpu::Face::Back), ..Default::default() }
+}
+
 /// A mesh on the device.
 #[derive(Debug)]
 pub(super) struct DeviceMesh {
     vertices: wgpu::Buffer,
     indices: wgpu::Buffer,
     count: u32,
+    /// Least and greatest corner of what is closed.
+    body: Option<[Vec3; 2]>,
 }
 
 impl DeviceMesh {
@@ -61,6 +69,7 @@ impl DeviceMesh {
             vertices: buffer(gpu, name, bytemuck::cast_slice(&vertices), wgpu::BufferUsages::VERTEX)?,
             indices: buffer(gpu, name, bytemuck::cast_slice(&mesh.triangles), wgpu::BufferUsages::INDEX)?,
             count: 3 * mesh.triangles.len() as u32,
+            body: is_closed(mesh).then(|| mesh.bounds()),
         }))
     }
 
@@ -69,6 +78,14 @@ impl DeviceMesh {
         pass.set_vertex_buffer(0, self.vertices.slice(..));
         pass.set_index_buffer(self.indices.slice(..), wgpu::IndexFormat::Uint32);
         pass.draw_indexed(0..self.count, 0, 0..1);
+    }
+
+    /// Whether none of its triangles is seen from behind: it is a closed body, and the eye not near.
+    pub(super) fn hides_backs(&self, eye: Vec3) -> bool {
+        self.body.is_some_and(|[low, high]| {
+            let room = 0.1 * (high - low).max_element();
+            (eye.cmplt(low - room) | eye.cmpgt(high + room)).any()
+        })
     }
 
     /// Size on the device.
@@ -80,6 +97,39 @@ impl DeviceMesh {
     pub(super) fn triangles(&self) -> u32 {
         self.count / 3
     }
+}
+
+/// Whether every edge of a mesh is that of another triangle the other way round, and its inside is inside.
+fn is_closed(mesh: &Mesh) -> bool {
+    let corner = |i: u32| mesh.positions[i as usize];
+    // Sums of hashes of edges from one place to another, less those of the way back: of what is closed, all cancel.
+    let one = |t: &[u32; 3]| {
+        let [a, b, c] = t.map(corner);
+        let [i, j, k] = [a, b, c].map(hash_of);
+        let edge =
+            |from: u64, to: u64| mix(from ^ to.rotate_left(32)).wrapping_sub(mix(to ^ from.rotate_left(32)));
+        let edges = edge(i, j).wrapping_add(edge(j, k)).wrapping_add(edge(k, i));
+        (edges, f64::from(a.dot(b.cross(c))))
+    };
+    let (edges, volume) = mesh
+        .triangles
+        .iter()
+        .map(one)
+        .fold((0_u64, 0.0), |(e, v), (edge, volume)| (e.wrapping_add(edge), v + volume));
+    edges == 0 && volume > 0.0
+}
+
+/// Scatters bits (Steele et al. 2014, SplitMix).
+fn mix(x: u64) -> u64 {
+    let x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    let x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    x ^ (x >> 31)
+}
+
+/// Of a place; 0 and -0 are one.
+fn hash_of(place: Vec3) -> u64 {
+    let [x, y, z] = (place + 0.0).to_array().map(|c| u64::from(c.to_bits()));
+    mix(x ^ mix(y ^ mix(z)))
 }
 
 /// A buffer with these bytes.
@@ -95,4 +145,28 @@ pub(super) fn buffer(
     gpu.fits("a mesh in bytes", contents.len() as u64, gpu.device.limits().max_buffer_size)?;
     let descriptor = wgpu::util::BufferInitDescriptor { label: Some(name), contents, usage };
     Ok(gpu.device.create_buffer_init(&descriptor))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{Inputs, Scene, SceneSpec};
+
+    #[test]
+    fn snakes_are_closed_and_what_has_a_hole_or_is_turned_inside_out_is_not() {
+        let mut spec = SceneSpec::default();
+        spec.subject.triangles = 2000;
+        let scene = Scene::build(&spec, &Inputs::default()).expect("it can be built");
+        let whole = &scene.objects[0].mesh;
+        assert!(is_closed(whole));
+        let mut open = whole.clone();
+        open.triangles.pop();
+        let mut inside_out = whole.clone();
+        inside_out.triangles.iter_mut().for_each(|t| t.swap(0, 1));
+        let mut one_turned = whole.clone();
+        one_turned.triangles[7].swap(0, 1);
+        for mesh in [open, inside_out, one_turned, scene.objects[1].mesh.clone(), Mesh::default()] {
+            assert!(!is_closed(&mesh));
+        }
+    }
 }

@@ -11,7 +11,8 @@
 //!
 //! A picture takes one pass: objects by the light of suns and rectangles, each small light with a shadow map drawn before
 //! the first picture, and by the environment filtered beforehand; then what is behind them. Adapters that are programs
-//! take two: one that shades each pixel once, and one that smooths edges. Where pictures are averaged, each of another place
+//! take more: triangles of the subject are recorded, each pixel of it is shaded once (deferred shading), then all else, and
+//! edges are smoothed. Where pictures are averaged, each of another place
 //! within pixels and with other small lights, four or more need no edges of their own. Light comes straight from its
 //! source, and the environment's through everything, as `Transport::Direct` of the path tracer has it; or, where it is asked for,
 //! not through what is in the picture: two or three passes more, before.
@@ -20,6 +21,8 @@
 
 mod background;
 pub mod binding;
+mod constants;
+mod deferred;
 pub mod device;
 mod edges;
 mod environment;
@@ -27,6 +30,7 @@ pub mod error;
 mod film_table;
 mod frame;
 mod lamps;
+mod levels;
 pub mod lobe;
 pub mod material;
 mod mesh;

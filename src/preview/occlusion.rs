@@ -200,7 +200,7 @@ fn pipeline(
     groups: &[&wgpu::BindGroupLayout],
     constants: &[(&str, f64)],
 ) -> wgpu::RenderPipeline {
-    let module = slots::module(gpu, "occlusion", files);
+    let module = slots::module(gpu, "occlusion", files, "");
     let groups: Vec<_> = groups.iter().map(|g| Some(*g)).collect();
     let layout = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
         label: Some("occlusion"),
@@ -232,7 +232,7 @@ fn pipeline(
 
 /// Draws depths and normals of pixels.
 fn facing(gpu: &Gpu, frame: &wgpu::BindGroupLayout) -> wgpu::RenderPipeline {
-    let module = slots::module(gpu, "facing", &slots::slots!["frame", "facing"]);
+    let module = slots::module(gpu, "facing", &slots::slots!["frame", "facing"], "");
     let layout = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
         label: Some("depths"),
         bind_group_layouts: &[Some(frame)],

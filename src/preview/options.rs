@@ -17,12 +17,18 @@ pub struct Options {
     pub rectangle_shadow_size: u32,
     /// Most samples of a map along a slanted view, 1 to 16.
     pub anisotropy: u16,
+    /// Whether maps are bytes, with roots of colours, and how much a film varies below a texel is read unfiltered. Only where
+    /// pixels have fewer than 4 samples.
+    pub compact_maps: bool,
     /// Whether a pixel looks up the shadows of a fourth of the small lights of a rectangle, and shares the rest with its
     /// neighbours, and a quarter of a rectangle is one lobe. Only where pixels have fewer than 4 samples and rectangles 16 small
     /// lights.
     pub shared_shadows: bool,
     /// Whether colours are computed once for each pixel before edges are smoothed, not once for each triangle in it.
     pub once: bool,
+    /// Whether triangles of the material that most of them wear are first recorded and then shaded pixel by pixel. Only where
+    /// colours are computed once for each pixel.
+    pub deferred: bool,
     /// Pictures that are averaged, each of another place within pixels, at least 1. A multiple of 4 costs least: in each of
     /// four pictures other ones of a rectangle's small lights shine.
     pub samples: u32,
@@ -43,8 +49,10 @@ impl Default for Options {
             shadow_size: 1024,
             rectangle_shadow_size: 512,
             anisotropy: 8,
+            compact_maps: false,
             shared_shadows: false,
             once: false,
+            deferred: false,
             samples: 1,
             environment: true,
             lamps: true,
@@ -68,7 +76,14 @@ impl Options {
     pub fn of(gpu: &Gpu) -> Self {
         let all = Self::default();
         if gpu.is_software() {
-            Self { anisotropy: 1, once: true, shared_shadows: true, ..all }
+            Self {
+                anisotropy: 1,
+                compact_maps: true,
+                shared_shadows: true,
+                once: true,
+                deferred: true,
+                ..all
+            }
         } else {
             Self { samples: 16, occlusion_slices: Self::SLICES, ..all }
         }
@@ -91,7 +106,7 @@ pub(super) fn sharper(samples: u32) -> f32 {
 /// time: it shades whole squares of 16 pixels. Displaced surfaces need more.
 pub fn enough_triangles([width, height]: [usize; 2], displaced: bool) -> u32 {
     const MOST: usize = 40_000;
-    let enough = if displaced { MOST } else { (15 * width.saturating_mul(height).isqrt()).clamp(4000, MOST) };
+    let enough = if displaced { MOST } else { (20 * width.saturating_mul(height).isqrt()).clamp(4000, MOST) };
     enough as u32
 }
 
@@ -101,8 +116,8 @@ mod tests {
 
     #[test]
     fn larger_pictures_have_more_triangles_up_to_a_limit() {
-        assert_eq!(enough_triangles([1280, 720], false), 14_400);
-        assert_eq!(enough_triangles([2560, 1440], false), 28_800);
+        assert_eq!(enough_triangles([1280, 720], false), 19_200);
+        assert_eq!(enough_triangles([2560, 1440], false), 38_400);
         assert_eq!(
             (enough_triangles([0, 5], false), enough_triangles([usize::MAX; 2], false)),
             (4000, 40_000)

@@ -73,7 +73,9 @@ pub struct SkinProgram {
 impl SkinProgram {
     /// For a material with these features; see [`SceneFeatures::of_material`].
     pub fn new(features: &SceneFeatures, options: &SkinOptions) -> Self {
-        let matt = options.parts == Parts::Lambert;
+        // What is below a surface that does nothing to light is as if bare.
+        let bare = !(features.interface || features.absorber || features.wrapped_base);
+        let matt = bare || options.parts == Parts::Lambert;
         let gloss = features.interface && matches!(options.parts, Parts::All | Parts::Specular);
         let base = features.base && options.parts != Parts::Specular;
         // Something that light goes through, or is reflected by.

@@ -1,10 +1,12 @@
 //! A scene on the device, and pictures of it.
 
 use bytemuck::Zeroable;
-use glam::Mat4;
+use glam::{Mat4, Vec3};
+use rayon::prelude::*;
 use wgpu::util::DeviceExt;
 
 use super::background::Background;
+use super::deferred::Recorder;
 use super::edges::Edges;
 use super::frame::{FrameUniform, lens_of};
 use super::lamps::{Casters, Lamps, hammersley};
@@ -16,7 +18,7 @@ use super::shadows::Shadows;
 use super::slots::{Lit, Places, Sky};
 use super::target::{Shading, Target};
 use super::timing::Timing;
-use super::{Gpu, PreviewError, environment, occlusion, textures};
+use super::{Gpu, PreviewError, deferred, environment, occlusion, textures};
 use crate::base::num;
 use crate::scene::{Camera, Scene};
 
@@ -45,6 +47,8 @@ pub struct Renderer<'g> {
     frame_group: wgpu::BindGroup,
     shadows: Vec<Shadows>,
     depth: wgpu::RenderPipeline,
+    /// What records triangles before they are shaded.
+    deferred: Option<Recorder>,
     shading: Shading,
     edges: Option<Edges>,
     occlusion: Option<Occlusion>,
@@ -137,21 +141,25 @@ impl<'g> Renderer<'g> {
         let rectangles = rectangle_maps.is_some().then_some(places);
         let hidden = options.occlusion_slices > 0 && sky != Sky::Dark;
         let lit = Lit { suns: sun_maps.is_some(), rectangles, sky, hidden };
-        let lamp_counts = [lamps.suns.len(), lamps.rectangles.len()];
         let maps = [sun_maps.as_ref(), rectangle_maps.as_ref(), sky_view.as_ref()];
         let bound = Bound::new(gpu, &frame_block, &lamps, maps);
 
         let planes = (options.occlusion_slices, occlusion::has_floor(scene));
         let occlusion = hidden.then(|| Occlusion::new(gpu, &bound.layout, planes, samples));
         let shading = Shading::of(options.once, samples);
+        // Either group 3 has what was recorded, or what hides the environment.
+        let defers = options.once && options.deferred && !hidden;
+        let deferred = defers.then(|| most_worn(&meshes)).flatten();
+        let records = deferred.map(|_| deferred::layout(gpu));
         let mut materials = Vec::new();
         for (i, material) in scene.materials.iter().enumerate() {
             let worn = meshes.iter().any(|(_, m)| *m == i);
             let casts = casters.objects.iter().any(|o| scene.objects[*o].material == i);
             let make = || {
-                let light = (lit, lamp_counts);
-                let groups = [Some(&bound.layout), occlusion.as_ref().map(|o| &o.layout)];
-                Shaded::new(gpu, (material, casts), light, groups, options, &mut resources)
+                let recorded = deferred == Some(i);
+                let read = if recorded { records.as_ref() } else { occlusion.as_ref().map(|o| &o.layout) };
+                let (worn, groups) = ((material, casts, recorded), [Some(&bound.layout), read]);
+                Shaded::new(gpu, worn, (lit, &lamps), groups, options, &mut resources)
             };
             materials.push(worn.then(make).transpose()?);
         }
@@ -165,6 +173,11 @@ impl<'g> Renderer<'g> {
             frame_group: bound.group,
             shadows,
             depth: shaded::depth(gpu, &bound.layout, shading),
+            deferred: deferred.map(|material| {
+                let maps = scene.materials[material].maps.as_ref();
+                let size = maps.map_or([1, 1], |maps| [maps.width, maps.height]);
+                Recorder::new(gpu, &bound.layout, material, size)
+            }),
             shading,
             edges: (shading == Shading::Pixels).then(|| Edges::new(gpu, &bound.layout)),
             occlusion,
@@ -187,7 +200,7 @@ impl<'g> Renderer<'g> {
     pub fn render(&mut self, camera: &Camera, [width, height]: [usize; 2]) -> Result<Picture, PreviewError> {
         let target = match self.target.take().filter(|t| t.size() == [width, height]) {
             Some(target) => target,
-            None => Target::new(self.gpu, [width, height], self.shading)?,
+            None => Target::new(self.gpu, [width, height], self.shading, self.deferred.is_some())?,
         };
         if let Some(occlusion) = &mut self.occlusion {
             occlusion.fit(self.gpu, &target);
@@ -212,7 +225,7 @@ impl<'g> Renderer<'g> {
                 ..FrameUniform::new(camera, [width, height], shift, lens_of(sample, self.samples))
             };
             self.gpu.queue.write_buffer(&self.frame_block, 0, bytemuck::bytes_of(&frame));
-            for (name, time) in self.draw(&target)? {
+            for (name, time) in self.draw(&target, Vec3::from(frame.eye))? {
                 match passes.iter_mut().find(|(n, _)| *n == name) {
                     Some((_, total)) => *total = total.zip(time).map(|(a, b)| a + b),
                     None => passes.push((name, time)),
@@ -220,14 +233,16 @@ impl<'g> Renderer<'g> {
             }
             target.add_to(self.gpu, &mut sum)?;
         }
-        let scale = 1.0 / self.samples as f32;
-        let texels = sum.into_iter().map(|t: [f32; 3]| t.map(|c| c * scale)).collect();
+        if self.samples > 1 {
+            let scale = 1.0 / self.samples as f32;
+            sum.par_iter_mut().for_each(|texel: &mut [f32; 3]| *texel = texel.map(|c| c * scale));
+        }
         self.target = Some(target);
-        Ok(Picture { width, height, texels, passes })
+        Ok(Picture { width, height, texels: sum, passes })
     }
 
-    /// Draw one sample of each pixel, and tell the passes' times.
-    fn draw(&mut self, target: &Target) -> Result<Vec<(&'static str, Option<f64>)>, PreviewError> {
+    /// Draw one sample of each pixel as this eye sees it, and tell the passes' times.
+    fn draw(&mut self, target: &Target, eye: Vec3) -> Result<Vec<(&'static str, Option<f64>)>, PreviewError> {
         let mut encoder = self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         let mut names = Vec::new();
         for shadows in self.shadows.iter_mut().filter(|s| !s.drawn) {
@@ -240,12 +255,29 @@ impl<'g> Renderer<'g> {
             occlusion.draw(self.gpu, &mut encoder, target, (&self.frame_group, &self.meshes), times);
             names.extend(occlusion.passes());
         }
+        if let Some((recorder, recorded)) = self.deferred.as_ref().zip(target.recorded.as_ref()) {
+            let times = |place: usize| self.timing.as_ref().map(|t| t.pair(place));
+            let mut pass = recorded.begin(&mut encoder, &target.depth, times(names.len()));
+            pass.set_bind_group(0, &self.frame_group, &[]);
+            recorder.draw(&mut pass, &self.meshes, eye);
+            drop(pass);
+            names.push("record");
+            let mut pass = target.begin_deferred(&mut encoder, times(names.len()));
+            if let Some(Some(shaded)) = self.materials.get(recorder.material) {
+                pass.set_bind_group(0, &self.frame_group, &[]);
+                shaded.set(&mut pass);
+                pass.set_bind_group(3, &recorded.group, &[]);
+                pass.draw(0..3, 0..1);
+            }
+            drop(pass);
+            names.push("deferred");
+        }
         self.shade(&mut encoder, target, names.len());
         names.push("picture");
         if let Some((edges, samples)) = self.edges.as_ref().zip(target.samples.as_ref()) {
             let times = |place: usize| self.timing.as_ref().map(|t| t.pair(place));
             let mut pass = Target::begin_depths(samples, &mut encoder, times(names.len()));
-            edges.depths(&mut pass, &self.frame_group, &self.meshes);
+            edges.depths(&mut pass, &self.frame_group, &self.meshes, eye);
             drop(pass);
             names.push("depths of samples");
             let mut pass = target.begin_whole(&mut encoder, times(names.len()));
@@ -270,19 +302,19 @@ impl<'g> Renderer<'g> {
         let measured = self.occlusion.is_some() && self.shading != Shading::Triangles;
         let mut pass = target.begin(encoder, measured, self.timing.as_ref().map(|t| t.pair(place)));
         pass.set_bind_group(0, &self.frame_group, &[]);
+        let done = self.deferred.as_ref().map(|recorder| recorder.material);
+        let left = || self.meshes.iter().filter(|(_, material)| Some(*material) != done);
         if !measured {
             // Depth alone first, so that only what is seen is shaded.
             pass.set_pipeline(&self.depth);
-            self.meshes.iter().for_each(|(mesh, _)| mesh.draw(&mut pass));
+            left().for_each(|(mesh, _)| mesh.draw(&mut pass));
         }
         if let Some(occlusion) = &self.occlusion {
             occlusion.bind(&mut pass);
         }
-        for (mesh, material) in &self.meshes {
+        for (mesh, material) in left() {
             if let Some(Some(shaded)) = self.materials.get(*material) {
-                pass.set_pipeline(&shaded.pipeline);
-                pass.set_bind_group(1, &shaded.material, &[]);
-                pass.set_bind_group(2, &shaded.surface, &[]);
+                shaded.set(&mut pass);
                 mesh.draw(&mut pass);
             }
         }
@@ -309,6 +341,14 @@ impl<'g> Renderer<'g> {
         let materials = self.materials.iter().flatten().map(|m| m.slots.clone());
         materials.chain([self.background.slots()]).collect()
     }
+}
+
+/// The material that most triangles wear.
+fn most_worn(meshes: &[(DeviceMesh, usize)]) -> Option<usize> {
+    let worn = |material: usize| {
+        meshes.iter().filter(|m| m.1 == material).map(|m| u64::from(m.0.triangles())).sum::<u64>()
+    };
+    meshes.iter().map(|m| m.1).max_by_key(|material| worn(*material))
 }
 
 /// Bind group 0, and its layout.

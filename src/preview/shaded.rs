@@ -1,23 +1,24 @@
 //! Pipelines that draw objects: a material's colours, and depth alone.
 
+use super::lamps::Lamps;
 use super::material::SkinData;
-use super::options::Options;
+use super::options::{FEWER_STEP, Options};
 use super::program::{SkinProgram, Slot};
 use super::slots::{self, Has, Lit};
 use super::target::{self, Shading};
 use super::textures::Surface;
-use super::{Gpu, PreviewError, binding, mesh};
+use super::{Gpu, PreviewError, binding, constants, mesh};
 use crate::scene::{Material, SceneFeatures};
 
 /// A material ready to be drawn with.
 #[derive(Debug)]
 pub(super) struct Shaded {
     /// Draws with it.
-    pub(super) pipeline: wgpu::RenderPipeline,
+    pipeline: wgpu::RenderPipeline,
     /// Bind group 1.
-    pub(super) material: wgpu::BindGroup,
+    material: wgpu::BindGroup,
     /// Bind group 2.
-    pub(super) surface: wgpu::BindGroup,
+    surface: wgpu::BindGroup,
     /// The files of its shader.
     pub(super) slots: Vec<&'static str>,
     /// What it has and the shader does not.
@@ -25,27 +26,28 @@ pub(super) struct Shaded {
 }
 
 impl Shaded {
-    /// A material, and whether what wears it casts shadows; in this light, with so many suns and rectangles; and the
-    /// layouts of bind group 0, and of group 3, where something hides the environment.
+    /// A material, whether what wears it casts shadows, and whether it is recorded first; in this light; and the layouts of bind
+    /// group 0, and of group 3, where something hides the environment or it is recorded.
     ///
     /// # Errors
     /// If it is out of range or larger than the adapter holds.
     pub(super) fn new(
         gpu: &Gpu,
-        (material, casts): (&Material, bool),
-        (lit, lamps): (Lit, [usize; 2]),
-        [frame, openings]: [Option<&wgpu::BindGroupLayout>; 2],
+        (material, casts, recorded): (&Material, bool, bool),
+        (lit, lamps): (Lit, &Lamps),
+        [frame, read]: [Option<&wgpu::BindGroupLayout>; 2],
         options: &Options,
         resources: &mut Vec<(String, u64)>,
     ) -> Result<Self, PreviewError> {
         let shading = Shading::of(options.once, options.samples);
+        let compact = options.compact_maps && options.samples < FEWER_STEP;
         let program = SkinProgram::new(&SceneFeatures::of_material(material), &options.skin);
         // Where all texels are alike, the light below the film is that of their thickness.
         let data = SkinData::new(&material.constants, material.texel(0.5, 0.5).thickness_nm, &program)
             .map_err(|e| PreviewError::Material(e.to_string()))?;
         resources.extend(data.tables.iter().map(|t| (t.name.to_owned(), 16 * t.texels.len() as u64)));
         let material_layout = binding::layout(gpu, &data);
-        let surface = Surface::new(gpu, material, options.anisotropy)?;
+        let surface = Surface::new(gpu, material, options.anisotropy, compact)?;
         resources.extend(surface.textures.iter().map(|(name, bytes)| ((*name).to_owned(), *bytes)));
 
         let film_table = surface.film_table && program.has("film_series");
@@ -54,28 +56,38 @@ impl Shaded {
         if !casts {
             constants.push(("SHADOW_LIFT", 0.0));
         }
-        let counts = [(lit.suns, "SUNS", lamps[0]), (lit.rectangles.is_some(), "RECTANGLES", lamps[1])];
+        let counts = [
+            (lit.suns, "SUNS", lamps.suns.len()),
+            (lit.rectangles.is_some(), "RECTANGLES", lamps.rectangles.len()),
+        ];
         constants.extend(counts.iter().filter(|c| c.0).map(|(_, name, count)| (*name, *count as f64)));
-        let has = Has { maps: material.maps.is_some(), film_table, film_width: surface.film_width };
+        let maps = material.maps.is_some();
+        let has = Has { maps, film_table, film_width: surface.film_width, recorded, bytes: compact };
         let files = slots::files(&program, has, lit);
-        let module = slots::module(gpu, "skin", &files);
-        let groups = [frame, Some(&material_layout), Some(&surface.layout), openings];
+        let module = slots::module(gpu, "skin", &files, &constants::text(lamps));
+        let groups = [frame, Some(&material_layout), Some(&surface.layout), read];
         let layout = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some("skin"),
-            bind_group_layouts: &groups[..if openings.is_some() { 4 } else { 3 }],
+            bind_group_layouts: &groups[..if read.is_some() { 4 } else { 3 }],
             immediate_size: 0,
         });
+        let buffers = [Some(mesh::LAYOUT)];
+        let (vertex, buffers, compare) = match recorded {
+            // It is drawn at the far end, and seen where anything is.
+            true => ("everywhere", &buffers[..0], wgpu::CompareFunction::Less),
+            false => ("place", &buffers[..], wgpu::CompareFunction::Equal),
+        };
         let pipeline = gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
             label: Some("skin"),
             layout: Some(&layout),
             vertex: wgpu::VertexState {
                 module: &module,
-                entry_point: Some("place"),
+                entry_point: Some(vertex),
                 compilation_options: Default::default(),
-                buffers: &[Some(mesh::LAYOUT)],
+                buffers,
             },
             primitive: wgpu::PrimitiveState::default(),
-            depth_stencil: Some(target::depth(wgpu::CompareFunction::Equal, false)),
+            depth_stencil: Some(target::depth(compare, false)),
             multisample: shading.multisample(),
             fragment: Some(wgpu::FragmentState {
                 module: &module,
@@ -96,9 +108,18 @@ impl Shaded {
     }
 }
 
+impl Shaded {
+    /// Set a pass to draw with it.
+    pub(super) fn set(&self, pass: &mut wgpu::RenderPass<'_>) {
+        pass.set_pipeline(&self.pipeline);
+        pass.set_bind_group(1, &self.material, &[]);
+        pass.set_bind_group(2, &self.surface, &[]);
+    }
+}
+
 /// Draws nothing but depth.
 pub(super) fn depth(gpu: &Gpu, frame: &wgpu::BindGroupLayout, shading: Shading) -> wgpu::RenderPipeline {
-    let module = slots::module(gpu, "depth", &slots::slots!["frame", "depth"]);
+    let module = slots::module(gpu, "depth", &slots::slots!["frame", "depth"], "");
     let layout = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
         label: Some("depth"),
         bind_group_layouts: &[Some(frame)],

@@ -142,7 +142,7 @@ impl Shadows {
 }
 
 fn pipeline(gpu: &Gpu, group: &wgpu::BindGroupLayout) -> wgpu::RenderPipeline {
-    let module = slots::module(gpu, "shadow", &slots::slots!["shadow"]);
+    let module = slots::module(gpu, "shadow", &slots::slots!["shadow"], "");
     let layout = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
         label: Some("shadow"),
         bind_group_layouts: &[Some(group)],

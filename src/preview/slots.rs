@@ -2,13 +2,17 @@
 //!
 //! | Part | Files |
 //! | --- | --- |
-//! | maps | `maps_none`, `maps` with `width_none` or `width_map` |
+//! | maps | `maps_none`, or `maps` with the next three |
+//! | their level | `maps_bias`, `maps_level` |
+//! | their texels | `texels_half`, `texels_byte` |
+//! | variation of the film | `width_none`, `width_map` |
 //! | film under maps | the material's own series, or `film_table` in its place |
 //! | suns | `suns_none`, `suns` |
 //! | rectangles | `rectangles_none`, or `rectangles` with `places_shared`, or with `places_each` and the next |
 //! | colours of small lights | `tints_middle`, `tints_each` |
 //! | light from all around | `sky_none`, `sky_even`, `sky_image` |
 //! | what hides it | `open_all`, or `open_screen` with the passes of occlusion.rs |
+//! | who is shaded | `forward`: triangles; `deferred`: pixels that `gbuffer` recorded |
 
 use super::Gpu;
 use super::program::{SkinProgram, Slot};
@@ -64,11 +68,16 @@ pub(super) struct Has {
     pub(super) film_table: bool,
     /// A film that varies below a texel.
     pub(super) film_width: bool,
+    /// A record of what its pixels show.
+    pub(super) recorded: bool,
+    /// Maps of bytes.
+    pub(super) bytes: bool,
 }
 
 /// The files, in the order in which they are joined.
 pub(super) fn files(program: &SkinProgram, has: Has, lit: Lit) -> Vec<Slot> {
     let [frame, surface, shade] = slots!["frame", "surface", "shade"];
+    let [forward, deferred, bias, level] = slots!["forward", "deferred", "maps_bias", "maps_level"];
     let [plain, maps, width, no_width] = slots!["maps_none", "maps", "width_map", "width_none"];
     let [suns, no_suns] = slots!["suns", "suns_none"];
     let [rectangles, no_rectangles] = slots!["rectangles", "rectangles_none"];
@@ -79,11 +88,8 @@ pub(super) fn files(program: &SkinProgram, has: Has, lit: Lit) -> Vec<Slot> {
         Sky::Image => image,
     };
     let mut files = vec![frame];
-    let series = |slot: &&Slot| {
-        ["film_series", "fringes", "beyond"]
-            .iter()
-            .any(|start| slot.name.starts_with(start))
-    };
+    let series =
+        |slot: &&Slot| ["film_series", "fringes", "beyond"].iter().any(|start| slot.name.starts_with(start));
     if has.film_table {
         files.extend(program.slots().iter().filter(|slot| !series(slot)));
         files.extend(slots!["film_table"]);
@@ -91,7 +97,10 @@ pub(super) fn files(program: &SkinProgram, has: Has, lit: Lit) -> Vec<Slot> {
         files.extend_from_slice(program.slots());
     }
     if has.maps {
-        files.extend([maps, if has.film_width { width } else { no_width }]);
+        files.extend([maps, if has.recorded { level } else { bias }]);
+        let [half, byte] = slots!["texels_half", "texels_byte"];
+        files.push(if has.bytes { byte } else { half });
+        files.push(if has.film_width { width } else { no_width });
     } else {
         files.push(plain);
     }
@@ -107,6 +116,7 @@ pub(super) fn files(program: &SkinProgram, has: Has, lit: Lit) -> Vec<Slot> {
     }
     let [all, screen] = slots!["open_all", "open_screen"];
     files.extend([if lit.hidden { screen } else { all }, sky, shade]);
+    files.push(if has.recorded { deferred } else { forward });
     files
 }
 
@@ -115,9 +125,9 @@ pub(super) fn join(files: &[Slot]) -> String {
     files.iter().map(|slot| slot.source).collect::<Vec<_>>().join("\n")
 }
 
-/// Files as a module on the device.
-pub(super) fn module(gpu: &Gpu, name: &str, files: &[Slot]) -> wgpu::ShaderModule {
-    let source = wgpu::ShaderSource::Wgsl(join(files).into());
+/// Files, and constants that they lack, as a module on the device.
+pub(super) fn module(gpu: &Gpu, name: &str, files: &[Slot], constants: &str) -> wgpu::ShaderModule {
+    let source = wgpu::ShaderSource::Wgsl((join(files) + constants).into());
     gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor { label: Some(name), source })
 }
 
@@ -126,11 +136,21 @@ mod tests {
     use std::mem::offset_of;
 
     use super::*;
+    use crate::preview::constants;
     use crate::preview::frame::FrameUniform;
-    use crate::preview::lamps::{Disc, MOST_LAMPS, MOST_PLACES, Rectangle, Sun};
+    use crate::preview::lamps::{Disc, Lamps, MOST_LAMPS, MOST_PLACES, Rectangle, Sun};
     use crate::preview::program::SkinOptions;
     use crate::preview::textures::PlainUniform;
     use crate::scene::SceneFeatures;
+
+    /// With constants of lights where there are any.
+    fn whole(files: &[Slot]) -> String {
+        let mut lamps = Lamps::default();
+        let has = |name: &str| files.iter().any(|f| f.name == name);
+        lamps.suns.extend(has("suns").then(Sun::default));
+        lamps.rectangles.extend(has("rectangles").then(Rectangle::default));
+        join(files) + &constants::text(&lamps)
+    }
 
     fn parse(source: &str) -> naga::Module {
         naga::front::wgsl::parse_str(source).unwrap_or_else(|e| panic!("{}", e.emit_to_string(source)))
@@ -162,6 +182,8 @@ mod tests {
                         let lit = Lit { suns, rectangles, sky, hidden };
                         let has = Has { maps, ..Has::default() };
                         all.push(files(&program, has, lit));
+                        let recorded = Has { recorded: true, bytes: suns, film_width: maps && suns, ..has };
+                        all.push(files(&program, recorded, Lit { hidden: false, ..lit }));
                         if maps && features.film {
                             all.push(files(&program, Has { film_width: true, ..has }, lit));
                             all.push(files(&program, Has { film_table: true, film_width: suns, ..has }, lit));
@@ -175,6 +197,8 @@ mod tests {
         let [lamp, shadow, depth, edges] = slots!["lamp", "shadow", "depth", "edges"];
         let [facing, search, mean] = slots!["facing", "occlusion", "occlusion_mean"];
         all.extend([vec![frame, depth], vec![edges], vec![frame, facing], vec![frame, search], vec![mean]]);
+        let [surface, gbuffer] = slots!["surface", "gbuffer"];
+        all.extend([vec![frame, surface, gbuffer]]);
         all.extend([
             vec![frame, even, background],
             vec![frame, image, background],
@@ -188,10 +212,10 @@ mod tests {
     #[test]
     fn all_modules_are_valid_and_hold_only_what_is_used() {
         for files in all() {
-            let module = parse(&join(&files));
+            let module = parse(&whole(&files));
             validate(&module).unwrap_or_else(|e| panic!("{files:?}: {e}"));
             if files.len() > 1 {
-                assert!(naga::front::wgsl::parse_str(&join(&files[1..])).is_err(), "{files:?}");
+                assert!(naga::front::wgsl::parse_str(&whole(&files[1..])).is_err(), "{files:?}");
             }
             let bound =
                 |name: &str| module.global_variables.iter().any(|(_, g)| g.name.as_deref() == Some(name));
@@ -204,6 +228,7 @@ mod tests {
                 ("sky", "sky_image"),
                 ("openings", "open_screen"),
                 ("color_map", "maps"),
+                ("tangents", "deferred"),
                 ("film_table", "film_table"),
                 ("picture", "surroundings_image"),
             ] {
@@ -216,9 +241,9 @@ mod tests {
     fn blocks_lie_in_memory_as_shaders_read_them() {
         let program = SkinProgram::new(&features()[1], &SkinOptions::default());
         let lit = Lit { suns: true, rectangles: Some(Places::Middle), sky: Sky::Dark, hidden: false };
-        let skin = parse(&join(&files(&program, Has::default(), lit)));
+        let skin = parse(&whole(&files(&program, Has::default(), lit)));
         let [frame, even, background] = slots!["frame", "surroundings_even", "background"];
-        let background = parse(&join(&[frame, even, background]));
+        let background = parse(&whole(&[frame, even, background]));
         let check = |module: &naga::Module, name: &str, size: usize, offsets: &[(&str, usize)]| {
             let (_, block) = module.types.iter().find(|(_, t)| t.name.as_deref() == Some(name)).expect(name);
             let naga::TypeInner::Struct { members, span } = &block.inner else { panic!("{name}: no struct") };
@@ -248,7 +273,8 @@ mod tests {
             even,
             sharper,
             place_shift,
-            turn
+            turn,
+            near
         );
         block!(&skin, "Sun", Sun, direction, spread, irradiance, texel, shadow);
         block!(
@@ -266,7 +292,14 @@ mod tests {
             light,
             scale,
             depth,
-            cell
+            cell,
+            pivot,
+            over,
+            padding,
+            corner,
+            padding_2,
+            low_steps,
+            high_steps
         );
         block!(&skin, "Plain", PlainUniform, albedo, roughness, thickness);
         block!(&background, "Disc", Disc, direction, chord_2, radiance, padding);

@@ -2,7 +2,9 @@
 
 use half::f16;
 use half::slice::{HalfBitsSliceExt, HalfFloatSliceExt};
+use rayon::prelude::*;
 
+use super::deferred::{self, Recorded};
 use super::{Gpu, PreviewError};
 
 /// Linear light.
@@ -65,6 +67,8 @@ pub(super) struct Target {
     pub(super) depth: wgpu::TextureView,
     /// Depths of samples, where pixels are shaded.
     pub(super) samples: Option<wgpu::TextureView>,
+    /// What is recorded before it is shaded.
+    pub(super) recorded: Option<Recorded>,
     pixels: wgpu::Texture,
     whole: wgpu::TextureView,
     buffer: wgpu::Buffer,
@@ -72,7 +76,7 @@ pub(super) struct Target {
 }
 
 impl Target {
-    /// A target of this many columns and rows, shaded like this.
+    /// A target of this many columns and rows, shaded like this, with a record of triangles or not.
     ///
     /// # Errors
     /// If there are none, or more than the adapter holds.
@@ -80,6 +84,7 @@ impl Target {
         gpu: &Gpu,
         [width, height]: [usize; 2],
         shading: Shading,
+        recorded: bool,
     ) -> Result<Self, PreviewError> {
         if width == 0 || height == 0 {
             return Err(PreviewError::Empty(width, height));
@@ -107,7 +112,8 @@ impl Target {
         let pixels = texture("picture", 1, FORMAT, attachment | wgpu::TextureUsages::COPY_SRC);
         let read = attachment | wgpu::TextureUsages::TEXTURE_BINDING;
         let used = if shading == Shading::Pixels { read } else { attachment };
-        let measured = if shading == Shading::Triangles { attachment } else { read };
+        let depth_use = if shading == Shading::Triangles { attachment } else { read };
+        let depth = view(&texture("depths", shading.samples(), DEPTH, depth_use));
         let samples = || view(&texture("depths of samples", SAMPLES, DEPTH, read));
         Ok(Self {
             size: [width, height],
@@ -116,7 +122,8 @@ impl Target {
                 Shading::Middles => view(&pixels),
                 _ => view(&texture("colors", shading.samples(), FORMAT, used)),
             },
-            depth: view(&texture("depths", shading.samples(), DEPTH, measured)),
+            recorded: recorded.then(|| Recorded::new(gpu, [width, height], &depth)),
+            depth,
             samples: (shading == Shading::Pixels).then(samples),
             whole: view(&pixels),
             pixels,
@@ -143,10 +150,12 @@ impl Target {
             Shading::Pixels => (8 + 4) + SAMPLES * 4 + 8,
             Shading::Middles => 8 + 4,
         };
-        pixels * u64::from(texel) + self.buffer.size()
+        let recorded = if self.recorded.is_some() { deferred::BYTES } else { 0 };
+        pixels * u64::from(texel + recorded) + self.buffer.size()
     }
 
-    /// Begin to shade on black: samples, which become the picture, or pixels; on the depths that are there if `measured`.
+    /// Begin to shade samples, which become the picture, or pixels: on black, or on what was recorded; on the depths that are there
+    /// if `measured` or recorded.
     pub(super) fn begin<'e>(
         &self,
         encoder: &'e mut wgpu::CommandEncoder,
@@ -157,10 +166,32 @@ impl Target {
             Shading::Triangles => (Some(&self.whole), wgpu::StoreOp::Discard),
             Shading::Pixels | Shading::Middles => (None, wgpu::StoreOp::Store),
         };
+        let there = self.recorded.is_some();
+        let mut color = onto(&self.color, resolved, store);
+        if there {
+            color.ops.load = wgpu::LoadOp::Load;
+        }
         encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("picture"),
-            color_attachments: &[Some(onto(&self.color, resolved, store))],
-            depth_stencil_attachment: Some(before(&self.depth, measured, store)),
+            color_attachments: &[Some(color)],
+            depth_stencil_attachment: Some(before(&self.depth, measured || there, store)),
+            timestamp_writes: times,
+            ..Default::default()
+        })
+    }
+
+    /// Begin to shade what was recorded, on black.
+    pub(super) fn begin_deferred<'e>(
+        &self,
+        encoder: &'e mut wgpu::CommandEncoder,
+        times: Option<wgpu::RenderPassTimestampWrites<'_>>,
+    ) -> wgpu::RenderPass<'e> {
+        let read =
+            wgpu::RenderPassDepthStencilAttachment { view: &self.depth, depth_ops: None, stencil_ops: None };
+        encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("deferred"),
+            color_attachments: &[Some(onto(&self.color, None, wgpu::StoreOp::Store))],
+            depth_stencil_attachment: Some(read),
             timestamp_writes: times,
             ..Default::default()
         })
@@ -213,20 +244,24 @@ impl Target {
     /// # Errors
     /// If the device fails.
     pub(super) fn add_to(&self, gpu: &Gpu, sum: &mut Vec<[f32; 3]>) -> Result<(), PreviewError> {
-        let bytes = read(gpu, &self.buffer)?;
-        let mut row = vec![0.0; 4 * self.size[0]];
-        sum.resize(self.size[0] * self.size[1], [0.0; 3]);
-        let lines = bytes.chunks_exact(self.row_bytes as usize);
-        for (line, sum) in lines.zip(sum.chunks_exact_mut(self.size[0])) {
-            let halves: Vec<u16> = bytemuck::pod_collect_to_vec(&line[..8 * self.size[0]]);
-            halves.reinterpret_cast::<f16>().convert_to_f32_slice(&mut row);
-            for (sum, texel) in sum.iter_mut().zip(row.chunks_exact(4)) {
-                for c in 0..3 {
-                    sum[c] += texel[c];
-                }
-            }
-        }
-        Ok(())
+        let [width, height] = self.size;
+        sum.resize(width * height, [0.0; 3]);
+        let lines = sum.par_chunks_exact_mut(width);
+        read(gpu, &self.buffer, |bytes| {
+            let halves: &[u16] = bytemuck::cast_slice(bytes);
+            let rows = halves.par_chunks_exact(self.row_bytes as usize / 2);
+            lines.zip(rows).for_each_init(
+                || vec![0.0; 4 * width],
+                |row, (line, halves)| {
+                    halves[..4 * width].reinterpret_cast::<f16>().convert_to_f32_slice(row);
+                    for (sum, texel) in line.iter_mut().zip(row.chunks_exact(4)) {
+                        for c in 0..3 {
+                            sum[c] += texel[c];
+                        }
+                    }
+                },
+            );
+        })
     }
 }
 
@@ -251,16 +286,20 @@ pub(super) fn before(
     wgpu::RenderPassDepthStencilAttachment { view, depth_ops, stencil_ops: None }
 }
 
-/// The bytes of a buffer that can be read, once everything submitted is done.
+/// What becomes of the bytes of a buffer that can be read, once everything submitted is done.
 ///
 /// # Errors
 /// If the device fails.
-pub(super) fn read(gpu: &Gpu, buffer: &wgpu::Buffer) -> Result<Vec<u8>, PreviewError> {
+pub(super) fn read<T>(
+    gpu: &Gpu,
+    buffer: &wgpu::Buffer,
+    use_bytes: impl FnOnce(&[u8]) -> T,
+) -> Result<T, PreviewError> {
     buffer.map_async(wgpu::MapMode::Read, .., |_| ());
     gpu.wait()?;
     let range = buffer.get_mapped_range(..).map_err(|e| PreviewError::Lost(e.to_string()))?;
-    let bytes = range.to_vec();
+    let made = use_bytes(&range);
     drop(range);
     buffer.unmap();
-    Ok(bytes)
+    Ok(made)
 }

@@ -65,8 +65,7 @@ impl Timing {
     /// # Errors
     /// If the device fails.
     pub(super) fn read(&self, gpu: &Gpu, passes: usize) -> Result<Vec<Option<f64>>, PreviewError> {
-        let bytes = read(gpu, &self.readable)?;
-        let stamps: Vec<u64> = bytemuck::pod_collect_to_vec(&bytes);
+        let stamps: Vec<u64> = read(gpu, &self.readable, bytemuck::pod_collect_to_vec)?;
         let milliseconds = |i: usize| {
             let (start, end) = (*stamps.get(2 * i)?, *stamps.get(2 * i + 1)?);
             Some(end.saturating_sub(start) as f64 * self.nanoseconds * 1e-6)

@@ -67,7 +67,8 @@ const BLOOM: f32 = 0.05;
 /// Snakes of the thesis's table 5.3, and its milliseconds.
 const SNAKES: [(usize, f64); 4] = [(0, 0.09), (1, 0.17), (5, 0.18), (20, 0.21)];
 
-/// Draw and trace all cases. Shortcuts are those of the first one; `plain` is an even skin under a film, for the gallery.
+/// Draw and trace all cases, pictures that are compared in columns and rows of `compared` unless those of the effort will do.
+/// Shortcuts are those of the first case; `plain` is an even skin under a film, for the gallery.
 ///
 /// # Errors
 /// If a scene cannot be drawn or traced.
@@ -75,10 +76,10 @@ pub fn report(
     gpu: &Gpu,
     cases: &[Case],
     plain: &Case,
-    effort: Effort,
+    (effort, compared): (Effort, Option<[usize; 2]>),
     watch: Watch<'_>,
 ) -> Result<Report, Problem> {
-    let sizes = match effort {
+    let mut sizes = match effort {
         Effort::Full => {
             Sizes { compared: [192, 144], samples: [64, 24], shortcuts: [640, 360], frame: [1920, 1080] }
         }
@@ -86,6 +87,7 @@ pub fn report(
             Sizes { compared: [48, 36], samples: [16, 16], shortcuts: [96, 54], frame: [96, 54] }
         }
     };
+    sizes.compared = compared.unwrap_or(sizes.compared);
     // The first truth is without.
     let options = Options { occlusion_slices: 0, ..Options::of(gpu) };
     let [width, height] = sizes.compared;
@@ -95,7 +97,7 @@ pub fn report(
          it by direct and {} by all light, whose noise is in all numbers. The first truth is light straight from its source \
          in red, green and blue, which is what the preview draws; the second is all light, wavelength by wavelength. RMSE is \
          of linear light after exposure and tone curve; CIEDE2000 of 1 is about what an eye can tell; FLIP is in [0, 1]. \
-         Milliseconds are of one frame, after a first one, with the way back to memory.",
+         Those of *inner* pixels are without silhouettes, where a pixel sees two surfaces. Milliseconds are of one frame, after a first one, with the way back to memory.",
         gpu.info.name, sizes.samples[0], sizes.samples[1]
     ));
 
@@ -108,10 +110,11 @@ pub fn report(
         let drawn = draw(gpu, case, &options, sizes.compared)?;
         let frame = time(gpu, case, &options, sizes.frame)?;
         let tracer = reference::Renderer::new(&case.scene)?;
+        let inner = inner(case, &sizes)?;
         let mut strip = vec![("preview".to_owned(), srgb(&drawn))];
         for (name, transport) in [("direct", DIRECT), ("all light", FULL)] {
             let truth = trace(&tracer, case, &sizes, transport);
-            let apart = Apart::new(&drawn, &truth, width)?;
+            let apart = Apart::new(&drawn, &truth, &inner, width)?;
             let mut row = vec![
                 Cell::text(&case.skin),
                 Cell::text(&case.scene.name),
@@ -124,10 +127,10 @@ pub fn report(
             strip.push((format!("{name}: 4 times the difference"), difference(&drawn, &truth)));
             if transport == DIRECT {
                 summary += &format!(
-                    "{} on {}: dE {:.2}, FLIP {:.3} of direct light, {frame:.1} ms\n",
-                    case.skin, case.scene.name, apart.delta_e, apart.flip
+                    "{} on {}: dE {:.2}, FLIP {:.3} of direct light, dE {:.2}, FLIP {:.3} without silhouettes, {frame:.1} ms\n",
+                    case.skin, case.scene.name, apart.delta_e, apart.flip, apart.inner[0], apart.inner[1]
                 );
-                first.get_or_insert(truth);
+                first.get_or_insert_with(|| (truth, inner.clone()));
             }
         }
         strips.push(strip);
@@ -145,14 +148,14 @@ pub fn report(
         format!("Preview, direct light and all light, and the differences from them: {}.", rows.join(", ")),
     );
 
-    if let Some((case, truth)) = cases.first().zip(first) {
+    if let Some((case, (truth, inner))) = cases.first().zip(first) {
         page.heading("Shortcuts");
         page.prose(format!(
             "Each is changed alone, on `{}`, {} on it. What a shortcut costs is the difference of its error from that of the \
              first row, what it saves that of their milliseconds, at {} x {} pixels.",
             case.scene.name, case.skin, sizes.shortcuts[0], sizes.shortcuts[1]
         ));
-        page.table(shortcuts(gpu, case, &truth, &options, &sizes, watch)?);
+        page.table(shortcuts(gpu, case, (&truth, &inner), &options, &sizes, watch)?);
     }
 
     if let Some(case) = cases.first() {
@@ -202,8 +205,20 @@ pub fn report(
 }
 
 /// Columns of [`Apart::cells`] after what is compared.
-const ERRORS: [&str; 10] =
-    ["skin", "scene", "truth", "ms", "RMSE", "FLIP", "dE mean", "dE 50%", "dE 95%", "dE 99%"];
+const ERRORS: [&str; 12] = [
+    "skin",
+    "scene",
+    "truth",
+    "ms",
+    "RMSE",
+    "FLIP",
+    "dE mean",
+    "dE 50%",
+    "dE 95%",
+    "dE 99%",
+    "FLIP inner",
+    "dE inner",
+];
 
 /// How far a picture is from the true one.
 struct Apart {
@@ -211,28 +226,63 @@ struct Apart {
     flip: f64,
     delta_e: f64,
     quantiles: [f64; 3],
+    /// CIEDE2000 and FLIP of inner pixels, means.
+    inner: [f64; 2],
 }
 
 impl Apart {
-    fn new(picture: &[[f32; 3]], truth: &[[f32; 3]], width: usize) -> Result<Self, FlipError> {
+    fn new(
+        picture: &[[f32; 3]],
+        truth: &[[f32; 3]],
+        inner: &[bool],
+        width: usize,
+    ) -> Result<Self, FlipError> {
         let mut errors = ColorErrors::default();
-        for (a, b) in picture.iter().zip(truth) {
-            errors.add(a.map(f64::from), b.map(f64::from));
+        let mut inner_errors = ColorErrors::default();
+        for ((a, b), inner) in picture.iter().zip(truth).zip(inner) {
+            let (a, b) = (a.map(f64::from), b.map(f64::from));
+            errors.add(a, b);
+            if *inner {
+                inner_errors.add(a, b);
+            }
         }
         let seen = flip(truth, picture, width, PIXELS_PER_DEGREE)?;
+        // Silhouettes are the truth's in both, so that no difference of theirs is seen around them.
+        let pairs = picture.iter().zip(truth).zip(inner);
+        let within: Vec<_> = pairs.map(|((a, b), inner)| if *inner { *a } else { *b }).collect();
+        let seen_within = flip(truth, &within, width, PIXELS_PER_DEGREE)?;
+        let kept = seen_within.iter().zip(inner).filter(|(_, inner)| **inner);
+        let (sum, count) = kept.fold((0.0, 0.0), |(sum, n), (v, _)| (sum + f64::from(*v), n + 1.0));
         Ok(Self {
             rmse: errors.rmse(),
             flip: seen.iter().map(|v| f64::from(*v)).sum::<f64>() / seen.len() as f64,
             delta_e: errors.delta_e_mean(),
             quantiles: [0.5, 0.95, 0.99].map(|share| errors.delta_e_quantile(share)),
+            inner: [inner_errors.delta_e_mean(), sum / f64::max(count, 1.0)],
         })
     }
 
-    fn cells(&self) -> [Cell; 6] {
+    fn cells(&self) -> [Cell; 8] {
         let [half, most, nearly_all] = self.quantiles.map(|q| Cell::Fixed(q, 2));
         let (rmse, flip) = (Cell::Scientific(self.rmse, 2), Cell::Fixed(self.flip, 4));
-        [rmse, flip, Cell::Fixed(self.delta_e, 3), half, most, nearly_all]
+        let [delta_e, inner_flip] = [Cell::Fixed(self.inner[0], 3), Cell::Fixed(self.inner[1], 4)];
+        [rmse, flip, Cell::Fixed(self.delta_e, 3), half, most, nearly_all, inner_flip, delta_e]
     }
+}
+
+/// Pixels that see one surface. Normal maps lean everywhere, so that they are left out.
+fn inner(case: &Case, sizes: &Sizes) -> Result<Vec<bool>, RenderError> {
+    const SAMPLES: u32 = 32;
+    // Normals of one surface in a pixel are as one.
+    const LEAST_LENGTH: f32 = 0.98;
+    let mut scene = case.scene.clone();
+    scene.materials.iter_mut().for_each(|material| material.maps = None);
+    let [width, height] = sizes.compared;
+    let settings = Settings { width, height, samples: SAMPLES, transport: DIRECT, ..Settings::default() };
+    let film = reference::Renderer::new(&scene)?.render(&settings, Control::default());
+    let length = |p: &reference::Pixel| Vec3::from(p.normal).length() / p.count.max(1) as f32;
+    // What meets nothing has no normal, and is one, too.
+    Ok(film.pixels.iter().map(|p| p.hits == 0 || length(p) > LEAST_LENGTH).collect())
 }
 
 /// As a screen shows it, still linear.
@@ -288,7 +338,7 @@ fn trace(
 fn shortcuts(
     gpu: &Gpu,
     case: &Case,
-    truth: &[[f32; 3]],
+    (truth, inner): (&[[f32; 3]], &[bool]),
     options: &Options,
     sizes: &Sizes,
     watch: Watch<'_>,
@@ -313,17 +363,20 @@ fn shortcuts(
             Options { shadow_size: sun, rectangle_shadow_size: rectangle, ..all }
         }),
         ("shadows of rectangles for each pixel", Options { shared_shadows: false, ..all }),
+        ("triangles shaded one by one", Options { deferred: false, ..all }),
+        ("maps of halves, filtered throughout", Options { compact_maps: false, ..all }),
+        ("maps of bytes", Options { compact_maps: true, ..all }),
         ("film as if even in a pixel", Options { skin: SkinOptions { footprint: false, ..skin }, ..all }),
         ("maps without anisotropy", Options { anisotropy: 1, ..all }),
         ("without environment", Options { environment: false, ..all }),
         ("without suns and rectangles", Options { lamps: false, ..all }),
     ];
-    let columns = ["changed", "ms", "RMSE", "FLIP", "dE mean", "dE 50%", "dE 95%", "dE 99%"];
+    let columns: Vec<&str> = ["changed"].iter().chain(&ERRORS[3..]).copied().collect();
     let mut plain_ms = None;
     let mut table = Table::new("shortcuts", "Shortcuts, each changed alone", &columns);
     for (i, (name, options)) in rows.iter().enumerate() {
         watch(0.65 + 0.15 * i as f32 / rows.len() as f32, name);
-        let apart = Apart::new(&draw(gpu, case, options, sizes.compared)?, truth, sizes.compared[0])?;
+        let apart = Apart::new(&draw(gpu, case, options, sizes.compared)?, truth, inner, sizes.compared[0])?;
         let ms = time(gpu, case, options, sizes.shortcuts)?;
         plain_ms.get_or_insert(ms);
         table.row([Cell::text(name), Cell::Fixed(ms, 1)].into_iter().chain(apart.cells()));
@@ -335,7 +388,7 @@ fn shortcuts(
     let start = Instant::now();
     bloom(&mut large, sizes.shortcuts[0], BLOOM);
     let ms = plain_ms.unwrap_or(0.0) + 1e3 * start.elapsed().as_secs_f64();
-    let apart = Apart::new(&shown(case, &drawn), truth, sizes.compared[0])?;
+    let apart = Apart::new(&shown(case, &drawn), truth, inner, sizes.compared[0])?;
     let row = [Cell::text(format!("bloom of {BLOOM}")), Cell::Fixed(ms, 1)];
     table.row(row.into_iter().chain(apart.cells()));
     Ok(table)
@@ -343,7 +396,8 @@ fn shortcuts(
 
 /// Occlusion in the picture against that of the scene.
 fn occlusion(gpu: &Gpu, case: &Case, options: &Options, sizes: &Sizes) -> Result<Table, Problem> {
-    let columns = ["planes", "truth", "ms", "RMSE", "FLIP", "dE mean", "dE 50%", "dE 95%", "dE 99%"];
+    let columns: Vec<&str> = ["planes"].iter().chain(&ERRORS[2..]).copied().collect();
+    let inner = inner(case, sizes)?;
     let mut table = Table::new("occlusion", "Ambient occlusion", &columns);
     let tracer = reference::Renderer::new(&case.scene)?;
     let truths = [("direct, hidden", Transport::Direct { environment_shadows: true }), ("all light", FULL)]
@@ -353,7 +407,7 @@ fn occlusion(gpu: &Gpu, case: &Case, options: &Options, sizes: &Sizes) -> Result
         let drawn = draw(gpu, case, &options, sizes.compared)?;
         let ms = time(gpu, case, &options, sizes.shortcuts)?;
         for (name, truth) in &truths {
-            let apart = Apart::new(&drawn, truth, sizes.compared[0])?;
+            let apart = Apart::new(&drawn, truth, &inner, sizes.compared[0])?;
             let row = [Cell::Count(occlusion_slices.into()), Cell::text(name), Cell::Fixed(ms, 1)];
             table.row(row.into_iter().chain(apart.cells()));
         }
@@ -363,8 +417,9 @@ fn occlusion(gpu: &Gpu, case: &Case, options: &Options, sizes: &Sizes) -> Result
 
 /// The thesis's films and absorptions, also with fewer terms of the film's series.
 fn gallery(gpu: &Gpu, plain: &Case, options: &Options, sizes: &Sizes) -> Result<(Table, String), Problem> {
-    let columns =
-        ["film, nm", "absorption", "terms", "RMSE", "FLIP", "dE mean", "dE 50%", "dE 95%", "dE 99%"];
+    let columns: Vec<&str> =
+        ["film, nm", "absorption", "terms"].iter().chain(&ERRORS[4..]).copied().collect();
+    let inner = inner(plain, sizes)?;
     let mut table = Table::new("films", "Films and absorption against direct light", &columns);
     let usual = THICKNESSES_NM[1];
     let films = THICKNESSES_NM.map(|thickness_nm| (thickness_nm, 0.0));
@@ -380,7 +435,7 @@ fn gallery(gpu: &Gpu, plain: &Case, options: &Options, sizes: &Sizes) -> Result<
         for film_order in [3, 2, 1] {
             let skin = SkinOptions { film_order, ..options.skin };
             let drawn = draw(gpu, &case, &Options { skin, ..*options }, sizes.compared)?;
-            let apart = Apart::new(&drawn, &truth, sizes.compared[0])?;
+            let apart = Apart::new(&drawn, &truth, &inner, sizes.compared[0])?;
             let (film, depth) =
                 (Cell::Fixed(f64::from(thickness_nm), 0), Cell::Fixed(f64::from(absorption), 1));
             table.row([film, depth, Cell::Count(film_order.into())].into_iter().chain(apart.cells()));

@@ -21,7 +21,8 @@ pub(in crate::cli) struct Report {
     /// `convergence`: a built-in preset, a preset file, or a directory that `generate` wrote one set to.
     #[arg(long, value_name = "PRESET|SET", default_value = "lampropeltis_triangulum")]
     pub(in crate::cli) skin: String,
-    /// `textures`: texels on the longer side of the maps; 1024, or 256 if quick, unless given.
+    /// `textures`: texels on the longer side of the maps; 1024, or 256 if quick, unless given. `preview`: pixels of pictures
+    /// that are compared; 192x144, or 48x36 if quick, unless given, and a width alone has 3 rows for each 4 columns.
     #[arg(long, value_name = "N|WxH")]
     pub(in crate::cli) size: Option<SizeArg>,
     /// Directory of the files; it is made if need be.

@@ -9,7 +9,7 @@ const FILM_LAST = 11.0;
 const FILM_WIDTH_NM = 16.0;
 
 fn film_reflect(film: Film, cosine: f32) -> vec3f {
-    let at = vec2f(sqrt(saturate(cosine)), saturate(film.thickness_nm / map_scale.x));
+    let at = vec2f(sqrt(saturate(cosine)), saturate(film.thickness_nm / map_scale.y));
     let uv = (at * (FILM_SIZE - 1.0) + 0.5) / FILM_SIZE;
     // Widths double from layer to next but one, but for the first, which is none. The nearest will do: measured, a mean
     // CIEDE2000 of 0.02 from blending layers twice as far apart, which takes a tenth of the picture's time more.

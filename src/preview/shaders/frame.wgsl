@@ -21,6 +21,8 @@ struct Frame {
     place_shift: vec2f,
     // Turns pictures that are averaged apart, in the noise of their openings to the environment.
     turn: f32,
+    // Depth times distance.
+    near: f32,
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;

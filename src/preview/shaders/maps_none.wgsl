@@ -14,7 +14,11 @@ struct Found {
     bump: vec3f,
 }
 
-fn look_up(uv: vec2f) -> Found {
+fn look_up(uv: vec2f, level: f32) -> Found {
     let point = SurfacePoint(plain.albedo, plain.roughness, plain.thickness.x, 0.0, 0.0);
     return Found(point, vec3f(0.0, 0.0, 1.0));
+}
+
+fn bumped(a: Axes, bump: vec3f, sign: f32) -> Axes {
+    return a;
 }

@@ -7,7 +7,7 @@ fn one_rectangle(
     position: vec3f,
     facet: vec3f,
     a: Axes,
-    pixel: vec2f,
+    pixel: Pixel,
 ) -> vec3f {
     let axes = mat3x3f(r.x, r.y, r.z);
     // All in the rectangle's own axes: the place, the facet, and the shading frame.
@@ -20,6 +20,7 @@ fn one_rectangle(
     let to_shading = transpose(a) * axes;
     // Behind all that casts shadows a map is 1.
     let depth = min(r.depth.x + r.depth.y / start.z, 1.0);
+    let scale = vec2f(r.scale, -r.scale) / start.z;
     var g = Gathered();
     for (var j = first + frame.first_place; j < first + r.count; j += frame.place_step) {
         let place = rectangles.places[j];
@@ -27,8 +28,10 @@ fn one_rectangle(
         let to = vec3f(place.xy + r.cell * frame.place_shift - p.xy, -p.z);
         if dot(leaning, to) > 0.0 {
             let over = inverseSqrt(dot(to, to));
+            let at = (start.xy - place.xy) * scale + place.zw;
+            let reached = place_reaches(j, at, depth);
             let share = p.z * over * over * over;
-            gather(&g, skin, to_shading * (to * over), r.spread, share, place_reaches(r, j, place, start, depth));
+            gather(&g, skin, to_shading * (to * over), r.spread, share, reached);
         }
     }
     // The rectangle hides what is behind it, also where it is not seen itself: the environment shines through objects.

@@ -18,7 +18,7 @@ fn one_rectangle(
     position: vec3f,
     facet: vec3f,
     a: Axes,
-    pixel: vec2f,
+    pixel: Pixel,
 ) -> vec3f {
     let axes = mat3x3f(r.x, r.y, r.z);
     // All in the rectangle's own axes: the place, the facet, and the shading frame.
@@ -29,16 +29,25 @@ fn one_rectangle(
     let start = q + leaning * (SHADOW_LIFT * r.texel * q.z);
     // Behind all that casts shadows a map is 1.
     let depth = min(r.depth.x + r.depth.y / start.z, 1.0);
-    let odd = vec2u(pixel) & vec2u(1u);
-    // Bits of a light's index are (right, pixel, pixel, up), see `hammersley`.
+    let odd = vec2u(pixel.at) & vec2u(1u);
+    // Places in shadow maps, of whose middles `pivot` is one, are that of the middle of the rectangle and a share of how far
+    // the small light is from it. Bits of a light's index are (right, pixel, pixel, up), see `hammersley`.
+    let scale = vec2f(r.scale, -r.scale);
+    let over = 1.0 / start.z;
+    let share = scale * (r.over - over);
+    let first_place = r.corner + r.low_steps.zw * f32(odd.x) + r.high_steps.xy * f32(odd.y);
+    let low = 0.5 + (start.xy * over - r.pivot) * scale + first_place * share;
+    let up = r.low_steps.xy * share;
+    let right = r.high_steps.zw * share;
+    let j = first + 2u * odd.x + 4u * odd.y;
     var seen = vec4f(
-        one_reaches(r, first, odd, start, depth),
-        one_reaches(r, first + 1u, odd, start, depth),
-        one_reaches(r, first + 8u, odd, start, depth),
-        one_reaches(r, first + 9u, odd, start, depth),
+        place_reaches(j, low, depth),
+        place_reaches(j + 1u, low + up, depth),
+        place_reaches(j + 8u, low + right, depth),
+        place_reaches(j + 9u, low + right + up, depth),
     );
     // The mean of four pixels: what one has and what its neighbour has over it.
-    let side = vec2f(0.5) - vec2f(odd);
+    let side = (vec2f(0.5) - vec2f(odd)) * pixel.same;
     seen += dpdxFine(seen) * side.x;
     seen += dpdyFine(seen) * side.y;
     if !before {
@@ -60,12 +69,6 @@ fn one_rectangle(
     let behind = sky_behind(normalize(r.center - position)) * (r.cell.x * r.cell.y);
     return tints.gloss * (r.light * g.gloss_seen - behind * g.gloss_all)
         + tints.base * (lobe * (r.light * length(g.seen) - behind * length(g.all)));
-}
-
-// The light of a quarter that this pixel looks up: `low` is the quarter's first.
-fn one_reaches(r: Rectangle, low: u32, odd: vec2u, start: vec3f, depth: f32) -> f32 {
-    let place = rectangles.places[low + 2u * odd.x + 4u * odd.y];
-    return place_reaches(r, low + 2u * odd.x + 4u * odd.y, place, start, depth);
 }
 
 // `toward` tells which one, and `seen` how much of it is.

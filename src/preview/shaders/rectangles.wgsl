@@ -21,6 +21,15 @@ struct Rectangle {
     depth: vec2f,
     // Sides of the part of it that a small light stands for.
     cell: vec2f,
+    // What is in the middle of all shadow maps: its place at distance 1, and one over its distance.
+    pivot: vec2f,
+    over: f32,
+    padding: f32,
+    // Sixteen small lights are at the first one's place and, for each bit of the index, a step: of bits 0 and 1, of 2 and 3.
+    corner: vec2f,
+    padding_2: vec2f,
+    low_steps: vec4f,
+    high_steps: vec4f,
 }
 
 struct Rectangles {
@@ -32,22 +41,19 @@ struct Rectangles {
 @group(0) @binding(6) var<uniform> rectangles: Rectangles;
 @group(0) @binding(7) var rectangle_maps: texture_depth_2d_array;
 
-// How many there are, at least 1. The first is apart from the rest: drivers on a CPU read a block fast where the index is a
-// constant.
+// How many there are, at least 1. The first is apart from the rest, as FIRST_RECTANGLE: drivers on a CPU take long to read a block.
 override RECTANGLES: u32 = 1u;
 
-// `pixel` is its place in the picture.
-fn rectangle_light(skin: Skin, position: vec3f, facet: vec3f, a: Axes, pixel: vec2f) -> vec3f {
-    var sum = one_rectangle(rectangles.rectangles[0], 0u, skin, position, facet, a, pixel);
+fn rectangle_light(skin: Skin, position: vec3f, facet: vec3f, a: Axes, pixel: Pixel) -> vec3f {
+    var sum = one_rectangle(FIRST_RECTANGLE, 0u, skin, position, facet, a, pixel);
     for (var i = 1u; i < RECTANGLES; i++) {
         sum += one_rectangle(rectangles.rectangles[i], rectangles.rectangles[i].first, skin, position, facet, a, pixel);
     }
     return sum;
 }
 
-// 1 where small light `j`, at `place`, is seen from `start`, whose depth in its shadow map is `depth`.
-fn place_reaches(r: Rectangle, j: u32, place: vec4f, start: vec3f, depth: f32) -> f32 {
-    let at = (start.xy - place.xy) / start.z * vec2f(r.scale, -r.scale) + place.zw;
+// 1 where small light `j` is seen from what is at `at` in its shadow map, at `depth`.
+fn place_reaches(j: u32, at: vec2f, depth: f32) -> f32 {
     let side = f32(textureDimensions(rectangle_maps).x);
     let nearest = textureLoad(rectangle_maps, vec2u(saturate(at) * side * 0.99999), j, 0);
     // Nothing casts a shadow to outside of the map.

@@ -17,35 +17,34 @@ struct Sun {
 @group(0) @binding(2) var sun_maps: texture_depth_2d_array;
 @group(0) @binding(3) var sun_sampler: sampler_comparison;
 
-// How many there are, at least 1. The first is apart from the rest: drivers on a CPU read a block fast where the index is
-// a constant.
+// How many there are, at least 1. The first is apart from the rest, as FIRST_SUN: drivers on a CPU take long to read a block.
 override SUNS: u32 = 1u;
 
 fn sun_light(skin: Skin, position: vec3f, facet: vec3f, a: Axes) -> vec3f {
-    var sum = one_sun(0u, skin, position, facet, a);
+    var sum = one_sun(FIRST_SUN, 0u, skin, position, facet, a);
     for (var i = 1u; i < SUNS; i++) {
-        sum += one_sun(i, skin, position, facet, a);
+        sum += one_sun(suns[i], i, skin, position, facet, a);
     }
     return sum;
 }
 
-fn one_sun(i: u32, skin: Skin, position: vec3f, facet: vec3f, a: Axes) -> vec3f {
-    let direction = suns[i].direction;
+fn one_sun(sun: Sun, i: u32, skin: Skin, position: vec3f, facet: vec3f, a: Axes) -> vec3f {
+    let direction = sun.direction;
     if dot(facet, direction) > 0.0 {
-        let reached = sun_reaches(i, position + facet * (SHADOW_LIFT * suns[i].texel));
+        let reached = sun_reaches(sun, i, position + facet * (SHADOW_LIFT * sun.texel));
         if reached > 0.0 {
             let wi = direction * a;
             let tints = skin_tints(skin, wi);
-            let lobes = skin_lobes(skin, wi, suns[i].spread) * reached;
-            return (tints.gloss * lobes.x + tints.base * lobes.y) * suns[i].irradiance;
+            let lobes = skin_lobes(skin, wi, sun.spread) * reached;
+            return (tints.gloss * lobes.x + tints.base * lobes.y) * sun.irradiance;
         }
     }
     return vec3f(0.0);
 }
 
 // The share of a sun's light that reaches a place.
-fn sun_reaches(i: u32, position: vec3f) -> f32 {
-    let p = suns[i].shadow * vec4f(position, 1.0);
+fn sun_reaches(sun: Sun, i: u32, position: vec3f) -> f32 {
+    let p = sun.shadow * vec4f(position, 1.0);
     let at = vec3f(0.5 + 0.5 * p.x, 0.5 - 0.5 * p.y, min(p.z, 1.0));
     // Nothing casts a shadow to outside of the map.
     if any(at.xy <= vec2f(0.0)) || any(at.xy >= vec2f(1.0)) {

@@ -43,21 +43,28 @@ struct Open {
     share: f32,
 }
 
-// Least cosine between shading normal and eye.
-const LEAST_COSINE = 1e-3;
+// The normal of the triangle that neighbouring pixels show, on the eye's side.
+fn facet_of(position: vec3f, to_eye: vec3f) -> vec3f {
+    let across = cross(dpdx(position), dpdy(position));
+    let length_2 = dot(across, across);
+    let facing = select(-across, across, dot(across, to_eye) > 0.0) * inverseSqrt(max(length_2, 1e-30));
+    return select(normalize(to_eye), facing, length_2 > 1e-30);
+}
 
-// The shading frame: inside of a closed body, and the back of a sheet, look like the front; a normal that looks away from
-// the eye is turned until it just does not.
-fn shading_axes(v: Varying, facet: vec3f, front: bool, bump: vec3f, to_eye: vec3f) -> Axes {
-    let side = select(-1.0, 1.0, front);
+// The normal of vertices: inside of a closed body, and the back of a sheet, look like the front.
+fn outward(v: Varying, facet: vec3f, front: bool) -> vec3f {
     let length_2 = dot(v.normal, v.normal);
-    let smoothed = select(facet, v.normal * (side * inverseSqrt(max(length_2, 1e-20))), length_2 > 1e-12);
-    let sign = v.tangent.w * side;
-    var a = axes(smoothed, v.tangent.xyz, sign);
-    a = axes(normalize(a * bump), a[0], sign);
-    let cosine = dot(a[2], to_eye);
-    if cosine < LEAST_COSINE {
-        a = axes(normalize(a[2] + to_eye * (LEAST_COSINE - cosine)), a[0], sign);
-    }
-    return a;
+    let side = select(-1.0, 1.0, front);
+    return select(facet, v.normal * (side * inverseSqrt(max(length_2, 1e-20))), length_2 > 1e-12);
+}
+
+// Their tangent, and the sign of the other axis on this side.
+fn tangent_of(v: Varying, front: bool) -> vec4f {
+    return vec4f(v.tangent.xyz, v.tangent.w * select(-1.0, 1.0, front));
+}
+
+// A pixel: its place in the picture, and 1 where its neighbour along x, along y shows the same surface.
+struct Pixel {
+    at: vec2f,
+    same: vec2f,
 }

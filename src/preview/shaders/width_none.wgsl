@@ -1,5 +1,5 @@
 // A film that is as thick all over a pixel.
 
-fn film_width(uv: vec2f) -> f32 {
+fn film_width(uv: vec2f, level: f32) -> f32 {
     return 0.0;
 }
