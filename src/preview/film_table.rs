@@ -4,7 +4,9 @@
 use half::f16;
 use rayon::prelude::*;
 
+use super::material::reflected;
 use crate::base::num;
+use crate::optics::layered::Constants;
 use crate::optics::{Film, FilmColor, FilmError, Method};
 
 /// Columns: even steps of the root of the cosine, which tell more of grazing angles.
@@ -19,23 +21,23 @@ const WIDTH_NM: f32 = 16.0;
 /// A table of thicker films would miss fringes between its rows.
 pub(super) const THICKEST_NM: f32 = 4000.0;
 
-/// The texels, four halves each, for films of these indices up to a thickness.
+/// The texels, four halves each, for films of a material up to a thickness.
 ///
 /// # Errors
 /// If an index is out of range.
-pub(super) fn table(indices: [f32; 3], thickest_nm: f32) -> Result<Vec<f16>, FilmError> {
+pub(super) fn table(constants: &Constants, thickest_nm: f32) -> Result<Vec<f16>, FilmError> {
     let colors = FilmColor::<f32>::new(Method::Series(3));
-    let [n0, n1, n2] = indices;
+    let [n0, n1, n2] = constants.indices;
     let film = Film::new(n0, n1, n2, 0.0)?;
     let step = thickest_nm / (THICKNESSES - 1) as f32;
     let row = |j: usize| {
         let film = film.with_thickness(j as f32 * step);
         std::array::from_fn::<[f32; 3], COSINES, _>(|i| {
             let root = i as f32 / (COSINES - 1) as f32;
-            colors.color(&film, root * root).map(|c| c.max(0.0).min(1.0))
+            reflected(constants, &colors, &film, root * root)
         })
     };
-    let rows: Vec<_> = (0..THICKNESSES).map(row).collect();
+    let rows: Vec<_> = (0..THICKNESSES).into_par_iter().map(row).collect();
     let mut texels = vec![f16::ONE; 4 * COSINES * THICKNESSES * LAYERS];
     texels.par_chunks_mut(4 * COSINES).enumerate().for_each(|(row, texels)| {
         let (layer, j) = (row / THICKNESSES, row % THICKNESSES);
@@ -66,7 +68,7 @@ mod tests {
     /// Between texels the table is the film to a three-hundredth; 5 % thicker it is another.
     #[test]
     fn the_table_is_the_film() {
-        let table = table([1.0, 1.55, 2.0], 600.0).expect("indices in range");
+        let table = table(&Constants::default(), 600.0).expect("indices in range");
         let colors = FilmColor::<f32>::new(Method::Series(3));
         let film = Film::new(1.0_f32, 1.55, 2.0, 0.0).expect("indices in range");
         let (mut most, mut wrong) = (0.0_f32, 0.0_f32);
@@ -90,7 +92,7 @@ mod tests {
     /// Over a width of many fringes colours go.
     #[test]
     fn wide_layers_are_grey() {
-        let table = table([1.0, 1.55, 2.0], 1500.0).expect("indices in range");
+        let table = table(&Constants::default(), 1500.0).expect("indices in range");
         let spread = |layer: usize| {
             let [r, g, b] = texel(&table, layer, 300, COSINES - 1);
             r.max(g).max(b) - r.min(g).min(b)

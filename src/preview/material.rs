@@ -4,7 +4,7 @@ use bytemuck::{Pod, Zeroable};
 
 use super::lobe;
 use super::program::SkinProgram;
-use crate::optics::film_color::UNIFORM_NM;
+use crate::optics::film_color::{BEST_NM, UNIFORM_NM};
 use crate::optics::layered::{Albedo, Below, Constants};
 use crate::optics::{Bands, Film, FilmColor, FilmError, Layers, Method, Transform, absorption, cie};
 
@@ -14,24 +14,32 @@ use crate::optics::{Bands, Film, FilmColor, FilmError, Layers, Method, Transform
 pub struct MaterialUniform {
     /// Refractive indices: outside, film, layer.
     pub indices: [f32; 3],
-    /// `(n0/n2)^2`.
-    pub eta: f32,
+    /// Columns of the table of [`Below`] per nm of film.
+    pub below_per_nm: f32,
     /// Optical depth of the layer along the normal.
     pub absorption: [f32; 3],
     /// 1 where albedos are the base's own, 0 where they are apparent.
     pub intrinsic: f32,
     /// What becomes of light below the film; see [`Below`].
     pub clear: [f32; 3],
-    /// Columns of the table of [`Below`] per nm of film.
-    pub below_per_nm: f32,
+    /// Cauchy coefficient of the film, nm^2: see [`Film::dispersed`].
+    pub film_dispersion: f32,
     /// See [`Below`].
     pub lost: [f32; 3],
-    /// To the next 16 bytes.
-    pub padding: f32,
+    /// Cauchy coefficient of the layer, nm^2.
+    pub layer_dispersion: f32,
     /// See [`Below`].
     pub entering: [f32; 3],
     /// To the next 16 bytes.
+    pub padding: f32,
+    /// `(n0/n2)^2` in red, green and blue.
+    pub eta: [f32; 3],
+    /// To the next 16 bytes.
     pub padding_2: f32,
+    /// Index of the layer in red, green and blue.
+    pub layer: [f32; 3],
+    /// To the next 16 bytes.
+    pub padding_3: f32,
 }
 
 /// A table that the shader reads texel by texel: a texture of `Rgba32Float`, which needs no sampler.
@@ -64,6 +72,8 @@ pub const BELOW: usize = 1024;
 const BELOW_ROUGH: usize = 33;
 /// Wavelengths where the film reflects totally.
 const BEYOND: usize = 16;
+/// Wavelengths of a dispersive film: those of [`Bands::each`].
+const DISPERSED: usize = 32;
 /// Entries of a wrapped base's curve over cosines: odd, as curves have a kink at 0.
 const CURVE: usize = 2047;
 /// Optical path, `2 n1 d`, where that table ends, nm: twenty fringes of [`Layers::below`]'s own.
@@ -87,20 +97,25 @@ impl SkinData {
     pub fn new(constants: &Constants, thickness_nm: f32, program: &SkinProgram) -> Result<Self, FilmError> {
         let layers = Layers::<f32>::new(constants)?;
         let [n0, n1, n2] = constants.indices;
+        let film = Film::new(n0, n1, n2, 0.0)?;
+        let layer = BEST_NM.map(|l| film.dispersed(constants.dispersion_nm2, l as f32).indices()[2]);
         let mut uniform = MaterialUniform {
             indices: constants.indices,
-            eta: (n0 / n2) * (n0 / n2),
+            film_dispersion: constants.dispersion_nm2[0],
+            layer_dispersion: constants.dispersion_nm2[1],
+            eta: layer.map(|n2| (n0 / n2) * (n0 / n2)),
+            layer,
             absorption: constants.absorption.map(|t| t.max(0.0)),
             intrinsic: f32::from(u8::from(constants.albedo == Albedo::Intrinsic)),
             ..MaterialUniform::default()
         };
         let colors = FilmColor::<f32>::new(Method::Series(3));
-        let (film, absorption) = (Film::new(n0, n1, n2, 0.0)?, uniform.absorption);
+        let absorption = uniform.absorption;
         let below = |thickness_nm: f32, roughness: f32| {
             let below = layers.below(&colors, thickness_nm, roughness, absorption);
             match constants.base.wraps() {
                 true => Below {
-                    entering: wrapped(constants, &colors, &film.with_thickness(thickness_nm)),
+                    entering: wrapped(constants, &colors, &film.with_thickness(thickness_nm), layer),
                     ..below
                 },
                 false => below,
@@ -137,13 +152,14 @@ impl SkinData {
             let width = 2 * lobe::COSINES as u32;
             tables.push(Table { name: "lobe_table", binding: 3, width, texels: lobe::table() });
         }
-        if program.has("beyond_frustrated") {
+        if program.has("beyond_frustrated") || program.has("film_dispersed") {
             let node = |n: &cie::Node| {
                 let [r, g, b] = n.rgb;
                 [n.wavelength_nm, r, g, b].map(|x| x as f32)
             };
-            let texels: Vec<_> = cie::uniform_nodes(BEYOND, UNIFORM_NM).iter().map(node).collect();
-            tables.push(Table { name: "wavelengths", binding: 4, width: BEYOND as u32, texels });
+            let count = if program.has("film_dispersed") { DISPERSED } else { BEYOND };
+            let texels: Vec<_> = cie::uniform_nodes(count, UNIFORM_NM).iter().map(node).collect();
+            tables.push(Table { name: "wavelengths", binding: 4, width: count as u32, texels });
         }
         if program.has("curve") {
             let cosine = |i: usize| i as f32 / (CURVE - 1) as f32 * 2.0 - 1.0;
@@ -158,22 +174,37 @@ impl SkinData {
 
 /// [`Below::entering`] of a base that light reaches around: `2 int_-1^1 w(c) T((1 + c)/2) exp(-tau/c2) dc`, the film taken
 /// as smooth; and the same of what comes through, where c is -c.
-fn wrapped(constants: &Constants, colors: &FilmColor<f32>, film: &Film<f32>) -> [f32; 3] {
+fn wrapped(constants: &Constants, colors: &FilmColor<f32>, film: &Film<f32>, layer: [f32; 3]) -> [f32; 3] {
     const COUNT: u16 = 64;
-    let [n0, _, n2] = film.indices();
+    let n0 = film.indices()[0];
     let mut sum = [0.0; 3];
     for i in 0..COUNT {
         let half_way = (f32::from(i) + 0.5) / f32::from(COUNT);
         let cosine = 2.0 * half_way - 1.0;
         let ([near, _], [_, far]) = (constants.base.sides(cosine), constants.base.sides(-cosine));
-        let through = colors.transmittance(film, half_way);
-        let inside = absorption::cosine_in_layer(n0, n2, half_way);
+        let reflected = reflected(constants, colors, film, half_way);
         for c in 0..3 {
+            let inside = absorption::cosine_in_layer(n0, layer[c], half_way);
             let survives = absorption::one_way(constants.absorption[c], inside);
-            sum[c] += 4.0 / f32::from(COUNT) * (near[c] + far[c]) * through[c] * survives;
+            sum[c] += 4.0 / f32::from(COUNT) * (near[c] + far[c]) * (1.0 - reflected[c]) * survives;
         }
     }
     sum
+}
+
+/// The colour that a film reflects, dispersive or not, limited to [0, 1].
+pub(super) fn reflected(
+    constants: &Constants,
+    colors: &FilmColor<f32>,
+    film: &Film<f32>,
+    cosine: f32,
+) -> [f32; 3] {
+    let b = constants.dispersion_nm2;
+    let rgb = match b == [0.0; 2] {
+        true => colors.color(film, cosine),
+        false => colors.each(|l| film.dispersed(b, l).power(cosine, l).reflected),
+    };
+    rgb.map(|c| c.max(0.0).min(1.0))
 }
 
 /// C as cubics, a row for each channel and a column for each interval, right to 1e-5; and below them, if wanted, its

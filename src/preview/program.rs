@@ -6,16 +6,16 @@
 //! | Part | Files |
 //! | --- | --- |
 //! | gloss | `gloss_none`, or `gloss_ggx` with `lobe` |
-//! | film | `film_none` (a plain interface), or `film_series` with the next two |
+//! | film | `film_none` (a plain interface), `film_dispersed`, or `film_series` with the next two |
 //! | its fringes | `fringes`, `fringes_filtered` |
 //! | beyond its critical angle | `beyond_none`, `beyond_frustrated` |
 //! | base | `base_none`, `base_matt` (no layers) with `cosine`, or `base_layers` with the next four |
 //! | light from around | `base_lambert` with `cosine`, or `curve` with `base_wrapped` or `base_translucent` |
-//! | layer | `layer_clear`, `layer_absorbing` |
+//! | layer | `layer_clear`, `layer_absorbing`, `layer_dispersed` |
 //! | what enters | `pass_flat`, or `pass_coupled` with `lobe` |
 //! | light below the film | `below_constant`, `below_table`, `below_rough` |
 //!
-//! Dispersion and gratings are not there yet: [`SkinProgram::left_out`] says so.
+//! Gratings are not there yet: [`SkinProgram::left_out`] says so.
 //!
 //! They use bind group 1, and define what the frame calls: `SurfacePoint`, `Skin`, `skin_view`, `skin_eval`, `skin_shine`,
 //! `skin_tints`, `skin_lobes`, `skin_ambient` and `skin_alpha`; see `skin.wgsl`.
@@ -88,7 +88,10 @@ impl SkinProgram {
         if layers {
             slots.extend(slots!["fresnel"]);
         }
-        if film {
+        let dispersed = features.dispersion && layers;
+        if dispersed {
+            slots.extend(slots!["film_dispersed"]);
+        } else if film {
             slots.extend(slots!["film_series"]);
             slots.push(one(features.total_reflection, slots!["beyond_frustrated", "beyond_none"]));
             let filtered = features.thickness_map && options.footprint;
@@ -108,7 +111,8 @@ impl SkinProgram {
             } else {
                 slots.extend(slots!["cosine", "base_lambert"]);
             }
-            slots.push(one(features.absorber, slots!["layer_absorbing", "layer_clear"]));
+            let absorbing = one(dispersed, slots!["layer_dispersed", "layer_absorbing"]);
+            slots.push(one(features.absorber, [absorbing, slots!["layer_clear"][0]]));
             slots.push(one(coupled, slots!["pass_coupled", "pass_flat"]));
             let flat = one(features.thickness_map, slots!["below_table", "below_constant"]);
             slots.push(if coupled { slots!["below_rough"][0] } else { flat });
@@ -119,13 +123,10 @@ impl SkinProgram {
             slots.push(one(base, slots!["base_matt", "base_none"]));
         }
         let mut left_out = Vec::new();
-        if features.dispersion && layers {
-            left_out.push("dispersion");
-        }
         if features.grating && gloss {
             left_out.push("grating");
         }
-        Self { slots, film_order: film.then_some(options.film_order.max(1)), left_out }
+        Self { slots, film_order: (film && !dispersed).then_some(options.film_order.max(1)), left_out }
     }
 
     /// What the material has and the shader does not: such a picture differs from the reference's by it.

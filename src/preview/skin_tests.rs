@@ -17,7 +17,7 @@ use crate::scene::SceneFeatures;
 /// Every combination of the features that programs look at, and of options.
 fn programs() -> Vec<SkinProgram> {
     let mut all = Vec::new();
-    for bits in 0..512u32 {
+    for bits in 0..1024u32 {
         let bit = |i: u32| bits >> i & 1 == 1;
         let features = SceneFeatures {
             interface: bit(0) || bit(1),
@@ -29,6 +29,7 @@ fn programs() -> Vec<SkinProgram> {
             coupled_energy: bit(6),
             total_reflection: bit(7),
             translucent_base: bit(5) && bit(8),
+            dispersion: bit(9) && (bit(0) || bit(1)),
             ..SceneFeatures::default()
         };
         for parts in [Parts::All, Parts::Specular, Parts::Diffuse, Parts::Lambert] {
@@ -75,7 +76,7 @@ fn what_a_material_lacks_is_not_in_its_shader() {
     let base = SceneFeatures { base: true, ..film };
     let mapped = SceneFeatures { thickness_map: true, absorber: true, ..base };
     let more = SceneFeatures { dispersion: true, grating: true, ..base };
-    assert_eq!(SkinProgram::new(&more, &SkinOptions::default()).left_out(), ["dispersion", "grating"]);
+    assert_eq!(SkinProgram::new(&more, &SkinOptions::default()).left_out(), ["grating"]);
     let program =
         |features, parts| SkinProgram::new(&features, &SkinOptions { parts, ..SkinOptions::default() });
     for (features, parts, tables, absent) in [
@@ -84,6 +85,7 @@ fn what_a_material_lacks_is_not_in_its_shader() {
         (base, Parts::Diffuse, vec!["fringes_table"], "ggx_density"),
         (base, Parts::Lambert, vec![], "film_reflect"),
         (mapped, Parts::All, vec!["below_rows", "fringes_table", "lobe_table"], "base_matt"),
+        (more, Parts::All, vec!["wavelengths", "lobe_table"], "fringes"),
     ] {
         let program = program(features, parts);
         let module = parse(&program.source());
@@ -113,13 +115,16 @@ fn the_uniform_block_lies_in_memory_as_the_shader_reads_it() {
     assert_eq!(*span as usize, size_of::<MaterialUniform>());
     let offsets = [
         ("indices", offset_of!(MaterialUniform, indices)),
-        ("eta", offset_of!(MaterialUniform, eta)),
+        ("below_per_nm", offset_of!(MaterialUniform, below_per_nm)),
         ("absorption", offset_of!(MaterialUniform, absorption)),
         ("intrinsic", offset_of!(MaterialUniform, intrinsic)),
         ("clear", offset_of!(MaterialUniform, clear)),
-        ("below_per_nm", offset_of!(MaterialUniform, below_per_nm)),
+        ("film_dispersion", offset_of!(MaterialUniform, film_dispersion)),
         ("lost", offset_of!(MaterialUniform, lost)),
+        ("layer_dispersion", offset_of!(MaterialUniform, layer_dispersion)),
         ("entering", offset_of!(MaterialUniform, entering)),
+        ("eta", offset_of!(MaterialUniform, eta)),
+        ("layer", offset_of!(MaterialUniform, layer)),
     ];
     let found: Vec<_> =
         members.iter().map(|m| (m.name.as_deref().unwrap_or(""), m.offset as usize)).collect();
@@ -362,6 +367,9 @@ fn materials() -> Vec<(Constants, SceneFeatures, f32)> {
     let wrapped = |f: SceneFeatures| SceneFeatures { wrapped_base: true, ..f };
     let coupled = |f: SceneFeatures| SceneFeatures { coupled_energy: true, ..f };
     let total = |f: SceneFeatures| SceneFeatures { total_reflection: true, ..f };
+    let dispersive = |f: SceneFeatures| SceneFeatures { dispersion: true, ..f };
+    // Ten times keratin's: it has to be seen.
+    let dispersed = |c: Constants| Constants { dispersion_nm2: [58_900.0, 90_000.0], ..c };
     let curved = |thickness_mm| Base::Curved { curvature_per_mm: 0.3, thickness_mm };
     let half = |tint| Base::HalfLambert { blood: [0.9, 0.4, 0.1], tint };
     let even = SceneFeatures { thickness_map: false, ..film };
@@ -398,6 +406,20 @@ fn materials() -> Vec<(Constants, SceneFeatures, f32)> {
         // Tables of `optics` have a kink.
         (Constants { indices: [1.5, 1.0, 1.4], ..plain }, total(film), 1e-3),
         (Constants { indices: [1.5, 1.55, 1.3], ..plain }, total(film), 1e-3),
+        (dispersed(plain), dispersive(film), SHARE),
+        (dispersed(plain), dispersive(features), SHARE),
+        (dispersed(Constants { absorption: [0.1, 0.6, 3.0], ..plain }), dispersive(absorbing(even)), SHARE),
+        (
+            dispersed(Constants { indices: [1.33, 1.55, 1.4], absorption: [0.2; 3], ..plain }),
+            dispersive(absorbing(film)),
+            SHARE,
+        ),
+        (
+            dispersed(Constants { base: half(Tint::FromNormal), absorption: [0.3; 3], ..plain }),
+            dispersive(wrapped(absorbing(film))),
+            5e-3,
+        ),
+        (dispersed(Constants { indices: [1.5, 1.0, 1.4], ..plain }), dispersive(total(film)), 5e-3),
         (Constants { energy: Energy::Coupled, ..plain }, coupled(film), ROUGH),
         (
             Constants { energy: Energy::Coupled, absorption: [0.3; 3], ..plain },
@@ -411,6 +433,11 @@ fn materials() -> Vec<(Constants, SceneFeatures, f32)> {
 /// graze: not those.
 fn asked_of(features: &SceneFeatures, thickness_nm: Option<f32>) -> Vec<Question> {
     let mut asked = questions(thickness_nm);
+    // Thicker ones have more fringes than there are wavelengths, and f32 digits of their phases.
+    if features.dispersion {
+        // And of light that nearly grazes, what a sum of 32 wavelengths leaves of 1 has few.
+        asked.retain(|q| q.thickness_nm <= 2400.0 && (q.wo[2] <= 0.0 || q.wo[2] >= 1e-3));
+    }
     if features.coupled_energy {
         asked.retain(|q| q.roughness >= 0.1 && q.wo[2] > 0.1 && q.wi[2] > 0.1);
     }
@@ -514,8 +541,8 @@ fn light_from_all_around_is_the_integral_over_the_brdf() {
             let film = film(&constants, q.thickness_nm);
             let nodes = lobe::interpolated(&table, f64::from(q.roughness.max(0.01)), f64::from(q.wo[2]));
             let reflected = nodes.iter().fold([0.0f32; 3], |sum, (w, c)| {
-                let r = colors.color(&film, *c as f32);
-                std::array::from_fn(|k| sum[k] + *w as f32 * r[k].clamp(0.0, 1.0))
+                let r = material::reflected(&constants, &colors, &film, *c as f32);
+                std::array::from_fn(|k| sum[k] + *w as f32 * r[k])
             });
             gloss = gloss.max(error(answer.gloss, reflected, 0.01));
         }

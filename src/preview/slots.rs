@@ -6,7 +6,7 @@
 //! | their level | `maps_bias`, `maps_level` |
 //! | their texels | `texels_half`, `texels_byte` |
 //! | variation of the film | `width_none`, `width_map` |
-//! | film under maps | the material's own series, or `film_table` in its place |
+//! | film under maps | the material's own, or `film_table` in its place |
 //! | suns | `suns_none`, `suns` |
 //! | rectangles | `rectangles_none`, or `rectangles` with `places_shared`, or with `places_each` and the next |
 //! | colours of small lights | `tints_middle`, `tints_each` |
@@ -88,8 +88,11 @@ pub(super) fn files(program: &SkinProgram, has: Has, lit: Lit) -> Vec<Slot> {
         Sky::Image => image,
     };
     let mut files = vec![frame];
-    let series =
-        |slot: &&Slot| ["film_series", "fringes", "beyond"].iter().any(|start| slot.name.starts_with(start));
+    let series = |slot: &&Slot| {
+        ["film_series", "film_dispersed", "fringes", "beyond"]
+            .iter()
+            .any(|start| slot.name.starts_with(start))
+    };
     if has.film_table {
         files.extend(program.slots().iter().filter(|slot| !series(slot)));
         files.extend(slots!["film_table"]);
@@ -162,10 +165,10 @@ mod tests {
         validator.validate(module).map_err(|e| format!("{:?}", e.into_inner()))
     }
 
-    fn features() -> [SceneFeatures; 3] {
+    fn features() -> [SceneFeatures; 4] {
         let film = SceneFeatures { film: true, interface: true, base: true, ..SceneFeatures::default() };
         let map = SceneFeatures { thickness_map: true, absorber: true, ..film };
-        [SceneFeatures::default(), film, map]
+        [SceneFeatures::default(), film, map, SceneFeatures { dispersion: true, ..map }]
     }
 
     fn all() -> Vec<Vec<Slot>> {

@@ -7,6 +7,7 @@ use wgpu::util::DeviceExt;
 
 use super::levels::{Part, Thickness, levels};
 use super::{Gpu, PreviewError, film_table};
+use crate::optics::layered::Constants;
 use crate::scene::{Material, SkinMaps};
 
 /// `Plain` of maps_none.wgsl.
@@ -49,7 +50,7 @@ impl Surface {
         compact: bool,
     ) -> Result<Self, PreviewError> {
         match &material.maps {
-            Some(maps) => Self::mapped(gpu, maps, material.constants.indices, anisotropy, compact),
+            Some(maps) => Self::mapped(gpu, maps, &material.constants, anisotropy, compact),
             None => Ok(Self::plain(gpu, material)),
         }
     }
@@ -82,7 +83,7 @@ impl Surface {
     fn mapped(
         gpu: &Gpu,
         maps: &SkinMaps,
-        indices: [f32; 3],
+        constants: &Constants,
         anisotropy: u16,
         compact: bool,
     ) -> Result<Self, PreviewError> {
@@ -150,7 +151,7 @@ impl Surface {
         ];
         let mut sizes = vec![color_size, form_size];
         let film = (thickness.most_nm > 0.0 && thickness.most_nm <= film_table::THICKEST_NM)
-            .then(|| film_texture(gpu, indices, thickness.most_nm))
+            .then(|| film_texture(gpu, constants, thickness.most_nm))
             .transpose()?;
         let film_sampler = gpu.device.create_sampler(&wgpu::SamplerDescriptor {
             label: Some("film"),
@@ -194,11 +195,11 @@ impl Surface {
 /// The table of a film on the device, and its size.
 fn film_texture(
     gpu: &Gpu,
-    indices: [f32; 3],
+    constants: &Constants,
     thickest_nm: f32,
 ) -> Result<(wgpu::TextureView, u64), PreviewError> {
     let texels =
-        film_table::table(indices, thickest_nm).map_err(|e| PreviewError::Material(e.to_string()))?;
+        film_table::table(constants, thickest_nm).map_err(|e| PreviewError::Material(e.to_string()))?;
     let bytes: &[u8] = bytemuck::cast_slice(texels.reinterpret_cast());
     let size = [film_table::COSINES, film_table::THICKNESSES, film_table::LAYERS];
     let texture = upload(gpu, "film", FOUR, size, 1, bytes);

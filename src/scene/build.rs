@@ -94,20 +94,12 @@ impl Scene {
         let camera = camera(&spec.camera, &spec.render, &mesh, mm_per_unit);
         let (environment, sun) = environment(&spec.environment, inputs)?;
         let lights = spec.light.iter().filter_map(|light| lamp(light, camera.target));
-        let texel = spec.material.texel();
-        let skin = Material {
-            constants: spec.material.constants(inputs.optics),
-            color: LinearRgb(texel.color),
-            roughness: texel.roughness,
-            thickness_nm: texel.thickness_nm,
-            maps: inputs.maps.clone(),
-        };
         let mut scene = Self {
             name: spec.name.clone(),
             mm_per_unit,
             lights: sun.into_iter().chain(lights).collect(),
             objects: vec![Object { name: "subject".into(), mesh, material: 0 }],
-            materials: vec![skin],
+            materials: vec![skin(spec, inputs)],
             camera,
             environment,
             exposure_ev: spec.render.exposure_ev,
@@ -118,6 +110,18 @@ impl Scene {
             scene.materials.push(material);
         }
         Ok(scene)
+    }
+}
+
+/// What the subject of a scene wears: its first material.
+pub fn skin(spec: &SceneSpec, inputs: &Inputs) -> Material {
+    let texel = spec.material.texel();
+    Material {
+        constants: spec.material.constants(inputs.optics),
+        color: LinearRgb(texel.color),
+        roughness: texel.roughness,
+        thickness_nm: texel.thickness_nm,
+        maps: inputs.maps.clone(),
     }
 }
 

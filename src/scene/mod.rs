@@ -38,7 +38,7 @@ pub mod studio;
 pub mod tangents;
 pub mod tone;
 
-pub use build::{Inputs, SceneError};
+pub use build::{Inputs, SceneError, skin};
 pub use camera::{Camera, View};
 pub use environment::{
     Environment, EnvironmentError, EnvironmentImage, EnvironmentSample, EnvironmentSampler,

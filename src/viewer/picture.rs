@@ -163,9 +163,15 @@ fn draw<'g>(
     }
     for (worn, skin) in worn.iter_mut().zip(&request.skins) {
         if !is(worn, skin) {
-            // The old one's textures are given back before the new ones are made.
-            *worn = None;
-            *worn = skin.as_ref().map(|set| Worn::new(gpu, &request.stage, set)).transpose()?;
+            match (worn.as_mut().filter(|w| Arc::ptr_eq(&w.stage, &request.stage)), skin) {
+                // While a slider is dragged: only its maps are new.
+                (Some(worn), Some(set)) if worn.fits(set) => worn.wear(set)?,
+                _ => {
+                    // The old one's textures are given back before the new ones are made.
+                    *worn = None;
+                    *worn = skin.as_ref().map(|set| Worn::new(gpu, &request.stage, set)).transpose()?;
+                }
+            }
         }
     }
     let dress_ms = start.elapsed().as_secs_f64() * 1e3;
@@ -189,16 +195,20 @@ fn quick([width, height]: [usize; 2], ms_per_pixel: f64) -> [usize; 2] {
     [width, height].map(|n| ((n as f64 * share) as usize).max(1))
 }
 
+/// What the scene of a stage is made of.
+fn inputs(stage: &Stage, set: &TextureSet) -> Inputs {
+    Inputs {
+        maps: Some(Arc::new(SkinMaps::new(set, stage.spec.material.texel()))),
+        optics: set.optics,
+        mesh: None,
+        picture: stage.picture.clone(),
+        size_mm: [set.domain.girth_mm, set.domain.length_mm],
+    }
+}
+
 impl<'g> Worn<'g> {
     fn new(gpu: &'g Gpu, stage: &Arc<Stage>, set: &Arc<TextureSet>) -> Result<Self, Fault> {
-        let inputs = Inputs {
-            maps: Some(Arc::new(SkinMaps::new(set, stage.spec.material.texel()))),
-            optics: set.optics,
-            mesh: None,
-            picture: stage.picture.clone(),
-            size_mm: [set.domain.girth_mm, set.domain.length_mm],
-        };
-        let scene = Scene::build(&stage.spec, &inputs)?;
+        let scene = Scene::build(&stage.spec, &inputs(stage, set))?;
         let options = Options { samples: 1, ..Options::of(gpu) };
         Ok(Self {
             renderer: Renderer::new(gpu, &scene, &options)?,
@@ -208,6 +218,20 @@ impl<'g> Worn<'g> {
             ms_per_pixel: 0.0,
             last: None,
         })
+    }
+
+    /// Whether a skin lies on the mesh that is there: of the same size, on one that no map moves.
+    fn fits(&self, set: &TextureSet) -> bool {
+        let size = |set: &TextureSet| [set.domain.girth_mm, set.domain.length_mm];
+        self.stage.spec.subject.displacement == 0.0 && size(set) == size(&self.set)
+    }
+
+    /// Lay another skin on the subject.
+    fn wear(&mut self, set: &Arc<TextureSet>) -> Result<(), Fault> {
+        let skin = crate::scene::skin(&self.stage.spec, &inputs(&self.stage, set));
+        self.renderer.wear(0, &skin)?;
+        (self.set, self.last) = (set.clone(), None);
+        Ok(())
     }
 
     /// Draw it, unless that is what was drawn last; returns the milliseconds.

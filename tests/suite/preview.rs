@@ -15,7 +15,7 @@ use ophidian::preview::{Gpu, Options, PreviewError, Renderer};
 use ophidian::reference::{self, Control, Settings, Transport};
 use ophidian::report::metric::{ColorErrors, PIXELS_PER_DEGREE, flip};
 use ophidian::scene::spec::{SceneSpec, Surroundings};
-use ophidian::scene::{Camera, Environment, Inputs, Scene, SkinMaps, builtin};
+use ophidian::scene::{Camera, Environment, Inputs, Scene, SkinMaps, Texel, builtin};
 use ophidian::{eval, graph, preset};
 use serde_json::Value;
 
@@ -90,6 +90,36 @@ fn a_preview_is_the_path_tracers_picture_of_direct_light() {
     scene.materials[0].thickness_nm *= 1.05;
     let wrong = apart(&scene);
     assert!(wrong > MOST, "{wrong}");
+}
+
+/// With dispersion, too, here ten times that of keratin; without it the same bound fails.
+#[test]
+fn dispersion_is_drawn_as_it_is_traced() {
+    // Without dispersion in either it is 1.2 in this light.
+    const MOST: f64 = 2.0;
+    let Some(gpu) = gpu() else { return };
+    let (spec, mut scene) = scene("sphere");
+    let skin = &mut scene.materials[0];
+    (skin.thickness_nm, skin.constants.indices) = (600.0, [1.0, 1.55, 2.0]);
+    skin.constants.dispersion_nm2 = [58_900.0, 58_900.0];
+    let size = [64, 64];
+    let settings = direct_light(size, 128);
+    let film = reference::Renderer::new(&scene).expect("a sound scene").render(&settings, Control::default());
+    let apart = |scene: &Scene| {
+        let mut renderer = Renderer::new(&gpu, scene, &open(&gpu)).expect("it fits");
+        let picture = renderer.render(&scene.camera, size).expect("a picture");
+        assert_eq!(renderer.left_out(), [""; 0]);
+        let mut errors = ColorErrors::default();
+        for (texel, pixel) in picture.texels.iter().zip(&film.pixels).filter(|(_, p)| sees_one_surface(p)) {
+            errors.add(shown(&spec, *texel), shown(&spec, pixel.rgb()));
+        }
+        errors.delta_e_mean()
+    };
+    let right = apart(&scene);
+    scene.materials[0].constants.dispersion_nm2 = [0.0; 2];
+    let wrong = apart(&scene);
+    println!("{right}, without dispersion {wrong}");
+    assert!(right <= MOST && wrong > MOST, "{right} {wrong}");
 }
 
 /// With maps, too, where pixels have the samples that bumps smaller than a pixel need: CIEDE2000 and FLIP. With one sample both
@@ -233,7 +263,8 @@ fn occlusion_is_that_of_the_path_tracer() {
         errors.delta_e_mean()
     };
     let plain = draw(0, 1, true);
-    assert!(apart(&plain, &hidden) > 2.0 && apart(&plain, &shining) < 1.0);
+    let (missing, small) = (apart(&plain, &hidden), apart(&plain, &shining));
+    assert!(missing > 2.0 && small < 1.0, "{missing} {small}");
     // Shaded once, in samples, and averaged.
     for (samples, once, most) in [(1, true, 1.5), (1, false, 1.5), (16, true, 1.0)] {
         let occluded = draw(Options::SLICES, samples, once);
@@ -241,6 +272,45 @@ fn occlusion_is_that_of_the_path_tracer() {
         println!("{samples} {once}: {right} {wrong}");
         assert!(right < most && wrong > 2.0, "{samples} {once}: {right} {wrong}");
     }
+}
+
+/// Dressed anew, a renderer draws what one made for that skin draws, to the bit: with another shader, with the same, and back again.
+#[test]
+fn a_renderer_wears_other_skins() {
+    let Some(gpu) = gpu() else { return };
+    let (_, scene) = scene("coil");
+    let size = [48, 36];
+    let mut bare = scene.clone();
+    bare.materials[0].thickness_nm = 0.0;
+    let mut thick = scene.clone();
+    (thick.materials[0].thickness_nm, thick.materials[0].color) = (520.0, LinearRgb([0.1, 0.3, 0.2]));
+    let mut mapped = scene.clone();
+    let (color, normal) = ([0.4, 0.2, 0.1], [0.0, 0.0, 1.0]);
+    let texel = Texel { color, roughness: 0.3, normal, thickness_nm: 300.0 };
+    mapped.materials[0].maps = Some(Arc::new(SkinMaps {
+        width: 2,
+        height: 1,
+        texels: vec![texel, Texel { thickness_nm: 500.0, ..texel }],
+        height_mm: None,
+        size_mm: [30.0, 30.0],
+    }));
+    let options = Options { occlusion_slices: 1, ..Options::of(&gpu) };
+    let mut renderer = Renderer::new(&gpu, &scene, &options).expect("it fits");
+    let first = renderer.render(&scene.camera, size).expect("a picture").texels;
+    for other in [&bare, &thick, &mapped, &scene] {
+        renderer.wear(0, &other.materials[0]).expect("a sound skin");
+        let worn = renderer.render(&scene.camera, size).expect("a picture").texels;
+        let mut own = Renderer::new(&gpu, other, &options).expect("it fits");
+        assert_eq!(worn, own.render(&scene.camera, size).expect("a picture").texels);
+        assert_eq!((renderer.slots(), renderer.resources()), (own.slots(), own.resources()));
+        assert_eq!(worn == first, std::ptr::eq(other, &scene));
+    }
+    // A bad one is refused, nobody's changes nothing, and the old one stays.
+    let mut bad = scene.materials[0].clone();
+    bad.constants.indices = [1.0, 0.0, 2.0];
+    assert!(matches!(renderer.wear(0, &bad), Err(PreviewError::Material(_))));
+    assert_eq!(renderer.wear(9, &bad), Ok(()));
+    assert_eq!(renderer.render(&scene.camera, size).expect("a picture").texels, first);
 }
 
 /// Shadows that pixels share are nearly those that each looks up alone: nearer than with one small light for all of a

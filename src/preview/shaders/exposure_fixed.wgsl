@@ -1,0 +1,5 @@
+// The exposure is what is asked for.
+
+fn metered() -> f32 {
+    return 0.0;
+}

@@ -1,0 +1,5 @@
+// No curve.
+
+fn tone(c: vec3f) -> vec3f {
+    return c;
+}
