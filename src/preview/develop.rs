@@ -70,9 +70,10 @@ pub(super) fn develop(
     let onto = wgpu::TexelCopyBufferInfo { buffer: &buffer, layout };
     encoder.copy_texture_to_buffer(shown.as_image_copy(), onto, shown.size());
     gpu.queue.submit([encoder.finish()]);
-    let bytes = read(gpu, &buffer)?;
-    let rows = bytes.chunks_exact(row_bytes as usize);
-    Ok(rows.flat_map(|row| &row[..4 * size[0] as usize]).copied().collect())
+    read(gpu, &buffer, |bytes| {
+        let rows = bytes.chunks_exact(row_bytes as usize);
+        rows.flat_map(|row| &row[..4 * size[0] as usize]).copied().collect()
+    })
 }
 
 fn view(texture: &wgpu::Texture) -> wgpu::TextureView {
@@ -259,7 +260,7 @@ fn pipeline(
         bind_group_layouts: &[Some(&layout)],
         immediate_size: 0,
     });
-    let module = slots::module(gpu, "development", files);
+    let module = slots::module(gpu, "development", files, "");
     let pipeline = gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
         label: Some("development"),
         layout: Some(&groups),
@@ -295,14 +296,14 @@ mod tests {
 
     const SIZE: [usize; 2] = [61, 43];
 
-    /// Light of any brightness and colour, as the target holds it; black and nearly white, too.
+    /// Light of many colours, as the target holds it; black, and so bright that it spreads, but not over all.
     fn light() -> Vec<[f32; 3]> {
         let unit = |i: usize| (hash::pcg(hash::pcg(i as u32)) >> 8) as f32 / (1 << 24) as f32;
         let texel = |i: usize| match i % 17 {
             0 => [0.0; 3],
-            1 => [60_000.0; 3],
+            1 => [30.0; 3],
             _ => {
-                let brightness = libm::exp2f(18.0 * unit(4 * i) - 12.0);
+                let brightness = libm::exp2f(10.0 * unit(4 * i) - 8.0);
                 [1, 2, 3].map(|c| f16::from_f32(brightness * unit(4 * i + c)).to_f32())
             }
         };
@@ -310,10 +311,8 @@ mod tests {
     }
 
     fn texture(gpu: &Gpu, texels: &[[f32; 3]]) -> wgpu::Texture {
-        let halves: Vec<[u16; 4]> = texels
-            .iter()
-            .map(|t| [t[0], t[1], t[2], 1.0].map(|c| f16::from_f32(c).to_bits()))
-            .collect();
+        let halves: Vec<[u16; 4]> =
+            texels.iter().map(|t| [t[0], t[1], t[2], 1.0].map(|c| f16::from_f32(c).to_bits())).collect();
         let bytes = bytemuck::cast_slice(&halves);
         textures::upload(gpu, "light", target::FORMAT, [SIZE[0], SIZE[1], 1], 1, bytes)
     }

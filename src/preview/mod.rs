@@ -4,6 +4,7 @@
 //! | --- | --- |
 //! | [`Gpu`] | an adapter and its device; software Vulkan counts |
 //! | [`Renderer`], [`Options`], [`Picture`] | a scene on the device, and pictures of it in linear light |
+//! | [`Development`] | what makes of linear light what a screen shows, on the device |
 //! | [`PreviewError`] | why there is no picture |
 //! | [`SkinProgram`], [`SkinOptions`] | the shader of one material: only what it has |
 //! | [`SkinData`], [`binding`] | its numbers and tables, and bind group 1 |
@@ -23,6 +24,7 @@ mod background;
 pub mod binding;
 mod constants;
 mod deferred;
+pub mod develop;
 pub mod device;
 mod edges;
 mod environment;
@@ -45,6 +47,7 @@ mod target;
 mod textures;
 mod timing;
 
+pub use develop::Development;
 pub use device::Gpu;
 pub use error::PreviewError;
 pub use material::{MaterialUniform, SkinData};

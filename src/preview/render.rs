@@ -7,6 +7,7 @@ use wgpu::util::DeviceExt;
 
 use super::background::Background;
 use super::deferred::Recorder;
+use super::develop::{self, Developer, Development};
 use super::edges::Edges;
 use super::frame::{FrameUniform, lens_of};
 use super::lamps::{Casters, Lamps, hammersley};
@@ -56,6 +57,7 @@ pub struct Renderer<'g> {
     occlusion: Option<Occlusion>,
     background: Background,
     target: Option<Target>,
+    developer: Developer,
     timing: Option<Timing>,
     samples: u32,
     /// In each of so many samples other ones of the small lights of rectangles shine.
@@ -187,6 +189,7 @@ impl<'g> Renderer<'g> {
             occlusion,
             background,
             target: None,
+            developer: Developer::default(),
             timing: Timing::new(gpu),
             samples,
             place_step,
@@ -202,34 +205,11 @@ impl<'g> Renderer<'g> {
     /// # Errors
     /// If the size is 0 or more than the adapter holds, or the device fails.
     pub fn render(&mut self, camera: &Camera, [width, height]: [usize; 2]) -> Result<Picture, PreviewError> {
-        let target = match self.target.take().filter(|t| t.size() == [width, height]) {
-            Some(target) => target,
-            None => Target::new(self.gpu, [width, height], self.shading, self.deferred.is_some())?,
-        };
-        if let Some(occlusion) = &mut self.occlusion {
-            occlusion.fit(self.gpu, &target);
-        }
+        let target = self.fitted([width, height])?;
         let mut sum = Vec::new();
         let mut passes: Vec<(&'static str, Option<f64>)> = Vec::new();
         for sample in 0..self.samples {
-            let shift = hammersley(sample as usize, self.samples as usize).map(|t| t - 0.5);
-            let (block, offset) = (sample / self.place_step, sample % self.place_step);
-            let visits = self.samples.div_ceil(self.place_step);
-            let frame = FrameUniform {
-                discs: self.frame.discs,
-                sky_layers: self.frame.sky_layers,
-                even: self.frame.even,
-                sharper: self.frame.sharper,
-                // Not the same ones in the same part of pixels each time.
-                first_place: (offset + block) % self.place_step,
-                place_step: self.place_step,
-                place_shift: hammersley(block as usize, visits as usize).map(|t| t - 0.5),
-                // As even as can be at any number (the golden ratio).
-                turn: num::fract(0.618_034 * sample as f32),
-                ..FrameUniform::new(camera, [width, height], shift, lens_of(sample, self.samples))
-            };
-            self.gpu.queue.write_buffer(&self.frame_block, 0, bytemuck::bytes_of(&frame));
-            for (name, time) in self.draw(&target, Vec3::from(frame.eye))? {
+            for (name, time) in self.sample(&target, camera, sample, true)? {
                 match passes.iter_mut().find(|(n, _)| *n == name) {
                     Some((_, total)) => *total = total.zip(time).map(|(a, b)| a + b),
                     None => passes.push((name, time)),
@@ -245,8 +225,74 @@ impl<'g> Renderer<'g> {
         Ok(Picture { width, height, texels: sum, passes })
     }
 
+    /// Draw one sample of each pixel, and leave the picture on the device for [`Renderer::develop`].
+    ///
+    /// # Errors
+    /// If the size is 0 or more than the adapter holds, or the device fails.
+    pub fn keep(&mut self, camera: &Camera, size: [usize; 2]) -> Result<(), PreviewError> {
+        let target = self.fitted(size)?;
+        self.sample(&target, camera, 0, false)?;
+        self.target = Some(target);
+        Ok(())
+    }
+
+    /// What a screen shows of the last sample that was drawn, row by row from the top: red, green, blue and 255. `None` if none
+    /// was.
+    ///
+    /// # Errors
+    /// If the device fails.
+    pub fn develop(&mut self, development: &Development) -> Result<Option<Vec<u8>>, PreviewError> {
+        let Some(target) = &self.target else { return Ok(None) };
+        develop::develop(self.gpu, &mut self.developer, &target.pixels, development).map(Some)
+    }
+
+    /// A target of a size, the last one if it has it.
+    fn fitted(&mut self, size: [usize; 2]) -> Result<Target, PreviewError> {
+        let target = match self.target.take().filter(|t| t.size() == size) {
+            Some(target) => target,
+            None => Target::new(self.gpu, size, self.shading, self.deferred.is_some())?,
+        };
+        if let Some(occlusion) = &mut self.occlusion {
+            occlusion.fit(self.gpu, &target);
+        }
+        Ok(target)
+    }
+
+    /// Draw one of the samples of each pixel, tell the passes' times, and copy it to memory if it is wanted there.
+    fn sample(
+        &mut self,
+        target: &Target,
+        camera: &Camera,
+        sample: u32,
+        copied: bool,
+    ) -> Result<Vec<(&'static str, Option<f64>)>, PreviewError> {
+        let shift = hammersley(sample as usize, self.samples as usize).map(|t| t - 0.5);
+        let (block, offset) = (sample / self.place_step, sample % self.place_step);
+        let visits = self.samples.div_ceil(self.place_step);
+        let frame = FrameUniform {
+            discs: self.frame.discs,
+            sky_layers: self.frame.sky_layers,
+            even: self.frame.even,
+            sharper: self.frame.sharper,
+            // Not the same ones in the same part of pixels each time.
+            first_place: (offset + block) % self.place_step,
+            place_step: self.place_step,
+            place_shift: hammersley(block as usize, visits as usize).map(|t| t - 0.5),
+            // As even as can be at any number (the golden ratio).
+            turn: num::fract(0.618_034 * sample as f32),
+            ..FrameUniform::new(camera, target.size(), shift, lens_of(sample, self.samples))
+        };
+        self.gpu.queue.write_buffer(&self.frame_block, 0, bytemuck::bytes_of(&frame));
+        self.draw(target, Vec3::from(frame.eye), copied)
+    }
+
     /// Draw one sample of each pixel as this eye sees it, and tell the passes' times.
-    fn draw(&mut self, target: &Target, eye: Vec3) -> Result<Vec<(&'static str, Option<f64>)>, PreviewError> {
+    fn draw(
+        &mut self,
+        target: &Target,
+        eye: Vec3,
+        copied: bool,
+    ) -> Result<Vec<(&'static str, Option<f64>)>, PreviewError> {
         let mut encoder = self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         let mut names = Vec::new();
         for shadows in self.shadows.iter_mut().filter(|s| !s.drawn) {
@@ -289,7 +335,9 @@ impl<'g> Renderer<'g> {
             drop(pass);
             names.push("edges");
         }
-        target.copy(&mut encoder);
+        if copied {
+            target.copy(&mut encoder);
+        }
         if let Some(timing) = &self.timing {
             timing.resolve(&mut encoder, names.len());
         }

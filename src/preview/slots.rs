@@ -202,6 +202,13 @@ mod tests {
         all.extend([vec![frame, depth], vec![edges], vec![frame, facing], vec![frame, search], vec![mean]]);
         let [surface, gbuffer] = slots!["surface", "gbuffer"];
         all.extend([vec![frame, surface, gbuffer]]);
+        let [down, up, first, next, meter] =
+            slots!["bloom_down", "bloom_up", "meter_first", "meter_next", "meter"];
+        all.extend([vec![down], vec![up], vec![meter, first], vec![meter, next]]);
+        let develop = slots!["develop", "exposure_fixed", "exposure_mean"];
+        for tone in slots!["tone_clamp", "tone_reinhard", "tone_aces", "tone_agx", "tone_neutral"] {
+            all.extend([vec![tone, develop[1], develop[0]], vec![tone, develop[2], develop[0]]]);
+        }
         all.extend([
             vec![frame, even, background],
             vec![frame, image, background],

@@ -69,7 +69,8 @@ pub(super) struct Target {
     pub(super) samples: Option<wgpu::TextureView>,
     /// What is recorded before it is shaded.
     pub(super) recorded: Option<Recorded>,
-    pixels: wgpu::Texture,
+    /// The picture.
+    pub(super) pixels: wgpu::Texture,
     whole: wgpu::TextureView,
     buffer: wgpu::Buffer,
     row_bytes: u32,
@@ -109,8 +110,8 @@ impl Target {
         };
         let attachment = wgpu::TextureUsages::RENDER_ATTACHMENT;
         let view = |texture: &wgpu::Texture| texture.create_view(&wgpu::TextureViewDescriptor::default());
-        let pixels = texture("picture", 1, FORMAT, attachment | wgpu::TextureUsages::COPY_SRC);
         let read = attachment | wgpu::TextureUsages::TEXTURE_BINDING;
+        let pixels = texture("picture", 1, FORMAT, read | wgpu::TextureUsages::COPY_SRC);
         let used = if shading == Shading::Pixels { read } else { attachment };
         let depth_use = if shading == Shading::Triangles { attachment } else { read };
         let depth = view(&texture("depths", shading.samples(), DEPTH, depth_use));

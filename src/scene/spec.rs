@@ -373,12 +373,15 @@ impl Default for RenderSpec {
     }
 }
 
+/// What the mean of a picture becomes by [`MeteringSpec::Average`].
+pub const MIDDLE_GREY: f32 = 0.18;
+
 impl RenderSpec {
     /// The exposure of a picture of this radiance, as a power of two.
     pub fn exposure(&self, texels: &[[f32; 3]]) -> f32 {
         let metered = match self.metering {
             MeteringSpec::Manual => 0.0,
-            MeteringSpec::Average => Metering::LogAverage(0.18).exposure_ev(texels),
+            MeteringSpec::Average => Metering::LogAverage(MIDDLE_GREY).exposure_ev(texels),
             MeteringSpec::Highlights => Metering::Percentile { share: 0.99, target: 0.8 }.exposure_ev(texels),
         };
         metered + self.exposure_ev

@@ -11,8 +11,9 @@ use super::orbit::Orbit;
 use super::stage::Stage;
 use crate::base::LinearRgb;
 use crate::maps::TextureSet;
-use crate::preview::{Gpu, Options, PreviewError, Renderer};
-use crate::scene::{Inputs, Scene, SkinMaps, tone::ToneMap};
+use crate::preview::{Development, Gpu, Options, PreviewError, Renderer};
+use crate::scene::spec::{MIDDLE_GREY, MeteringSpec};
+use crate::scene::{Inputs, Scene, SkinMaps, bloom::bloom, tone::ToneMap};
 
 /// Longest frame while the camera moves, ms: fewer pixels are drawn rather than that.
 const FLUENT_MS: f64 = 60.0;
@@ -86,8 +87,8 @@ struct Worn<'g> {
     own: Orbit,
     /// Measured.
     ms_per_pixel: f64,
-    /// The last picture, in linear light: another tone curve needs no other one.
-    last: Option<(Orbit, [usize; 2], Vec<[f32; 3]>)>,
+    /// The last picture: another tone curve needs no other one.
+    last: Option<(Orbit, [usize; 2])>,
 }
 
 /// Serve requests until nobody asks any more. `wake` is called after each news.
@@ -183,7 +184,7 @@ fn draw<'g>(
     for (pixels, worn) in drawn.pixels.iter_mut().zip(worn.iter_mut()) {
         let Some(worn) = worn else { continue };
         drawn.milliseconds += worn.draw(&orbit, size)?;
-        *pixels = worn.shown(request);
+        *pixels = worn.shown(request)?;
     }
     Ok(Some(drawn))
 }
@@ -236,25 +237,47 @@ impl<'g> Worn<'g> {
 
     /// Draw it, unless that is what was drawn last; returns the milliseconds.
     fn draw(&mut self, orbit: &Orbit, size: [usize; 2]) -> Result<f64, PreviewError> {
-        if self.last.as_ref().is_some_and(|(o, s, _)| o == orbit && *s == size) {
+        if self.last.as_ref().is_some_and(|(o, s)| o == orbit && *s == size) {
             return Ok(0.0);
         }
         let start = Instant::now();
-        let picture = self.renderer.render(&orbit.camera(), size)?;
+        self.renderer.keep(&orbit.camera(), size)?;
         let milliseconds = start.elapsed().as_secs_f64() * 1e3;
         self.ms_per_pixel = milliseconds / (size[0] * size[1]) as f64;
-        self.last = Some((*orbit, size, picture.texels));
+        self.last = Some((*orbit, size));
         Ok(milliseconds)
     }
 
-    /// The last picture as a screen shows it.
-    fn shown(&self, request: &PictureRequest) -> Option<Vec<u8>> {
-        let (_, _, texels) = self.last.as_ref()?;
-        let exposure_ev = self.stage.spec.render.exposure(texels) + request.exposure_ev;
+    /// The last picture as a screen shows it: bloom, exposure and tone curve are made where it was drawn.
+    fn shown(&mut self, request: &PictureRequest) -> Result<Option<Vec<u8>>, PreviewError> {
+        let Some((orbit, size)) = self.last else { return Ok(None) };
+        let render = &self.stage.spec.render;
+        let mean = match render.metering {
+            MeteringSpec::Manual => None,
+            MeteringSpec::Average => Some(MIDDLE_GREY),
+            MeteringSpec::Highlights => return self.by_highlights(request, &orbit, size).map(Some),
+        };
+        let exposure_ev = render.exposure_ev + request.exposure_ev;
+        let development = Development { bloom: render.bloom, exposure_ev, mean, tone: request.tone };
+        let pixels = self.renderer.develop(&development)?;
+        Ok(pixels.map(|p| p.as_chunks().0.iter().flat_map(|[r, g, b, _]| [*r, *g, *b]).collect()))
+    }
+
+    /// The same where a share of the pixels is to be told, which takes all of them in one place.
+    fn by_highlights(
+        &mut self,
+        request: &PictureRequest,
+        orbit: &Orbit,
+        size: [usize; 2],
+    ) -> Result<Vec<u8>, PreviewError> {
+        let mut texels = self.renderer.render(&orbit.camera(), size)?.texels;
+        let render = &self.stage.spec.render;
+        bloom(&mut texels, size[0], render.bloom);
+        let exposure_ev = render.exposure(&texels) + request.exposure_ev;
         let shown =
             |c: &[f32; 3]| request.tone.encode(LinearRgb(*c), exposure_ev).map(|v| (v * 255.0 + 0.5) as u8);
         let pixels: Vec<[u8; 3]> = texels.par_iter().with_min_len(4096).map(shown).collect();
-        Some(pixels.into_flattened())
+        Ok(pixels.into_flattened())
     }
 }
 
