@@ -18,7 +18,7 @@ const CELLS: u32 = 16;
 
 fn ours() -> Vec<(&'static str, Box<dyn Node>)> {
     let (cells_u, cells_v) = (CELLS, CELLS);
-    let fractal = |basis, sum| Fractal { basis, sum, cells_u, cells_v, octaves: 6, lacunarity: 2.0 };
+    let fractal = |basis, sum| Fractal { basis, sum, cells_u, cells_v, octaves: 6, ..Fractal::default() };
     let worley = |metric| Worley { cells_u, cells_v, metric, jitter: 1.0 };
     vec![
         ("value", Box::new(ValueNoise { cells_u, cells_v })),

@@ -78,7 +78,7 @@ fn peers(c: &mut Criterion) {
         cells_u: 16,
         cells_v: 16,
         octaves: 6,
-        lacunarity: 2.0,
+        ..Fractal::default()
     };
     group.bench_function("fbm/ours", |b| {
         b.iter(|| run_node(black_box(&fractal), &domain, 1, &[], &assets, 64));

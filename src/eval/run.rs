@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use rayon::prelude::*;
+use smallvec::SmallVec;
 
 use super::slabs::{Window, cuts};
 use crate::base::kept::Kept;
@@ -106,6 +107,14 @@ fn handed_out(plan: &Plan) -> Vec<Vec<MapKind>> {
         }
     }
     of_stage
+}
+
+/// Rows that an output is written to, out of the list that they are kept in.
+enum Taken<'a> {
+    /// Nobody reads it.
+    None,
+    Scratch(Vec<f32>),
+    Own(&'a mut [f32]),
 }
 
 pub(super) struct Runner<'a> {
@@ -258,6 +267,7 @@ impl<'a> Runner<'a> {
                 let ins = Inputs::new(&step.input_offsets, &lanes);
                 step.node.eval(&self.cx(s), 0..height as i64, &ins, &mut outs);
             });
+            drop(outs);
             for (id, output) in pass.outputs.iter().zip(outputs) {
                 if let Some(id) = id {
                     self.planes[*id] = output;
@@ -298,7 +308,8 @@ impl<'a> Runner<'a> {
         let (width, height) = (self.plan.domain.width, self.plan.domain.height);
         let constants = ConstantRows::of(stage.rows.iter().map(|&s| &self.plan.steps[s]), width);
         // Where a lane's band stands in a band's list of slices.
-        let slot_of: BTreeMap<usize, usize> = ids.iter().enumerate().map(|(i, &id)| (id, i)).collect();
+        let mut slot_of = vec![None; self.plan.homes.len()];
+        ids.iter().enumerate().for_each(|(i, &id)| slot_of[id] = Some(i));
         let mut by_band: Vec<Vec<&mut [f32]>> = cuts.iter().map(|_| Vec::with_capacity(ids.len())).collect();
         for mut rest in parts {
             for (band, (_, rows)) in by_band.iter_mut().zip(cuts) {
@@ -347,7 +358,7 @@ impl<'a> Runner<'a> {
         first: usize,
         rows: usize,
         constants: &ConstantRows,
-        slot_of: &BTreeMap<usize, usize>,
+        slot_of: &[Option<usize>],
         own: &mut [&mut [f32]],
         scratch: &mut [Vec<f32>],
     ) {
@@ -356,52 +367,53 @@ impl<'a> Runner<'a> {
         let len = rows * width;
         for pass in &step.passes {
             // Outputs leave their lists while the inputs are borrowed from the rest.
-            let mut taken_scratch: Vec<Vec<f32>> = Vec::new();
-            let mut taken_own: Vec<&mut [f32]> = Vec::new();
-            for id in pass.outputs.iter().flatten() {
-                match self.plan.homes[*id] {
-                    Home::Scratch(slot) => taken_scratch.push(std::mem::take(&mut scratch[slot])),
-                    Home::Plane => taken_own.push(std::mem::take(&mut own[slot_of[id]])),
-                }
-            }
-            let lanes: Vec<Rows<'_>> = pass
-                .inputs
-                .iter()
+            let mut taken: SmallVec<[Taken<'_>; 16]> = (pass.outputs.iter())
+                .map(|id| match id.map(|id| (self.plan.homes[id], slot_of[id])) {
+                    Some((Home::Scratch(slot), _)) => Taken::Scratch(std::mem::take(&mut scratch[slot])),
+                    Some((Home::Plane, Some(slot))) => Taken::Own(std::mem::take(&mut own[slot])),
+                    Some((Home::Plane, None)) | None => Taken::None,
+                })
+                .collect();
+            // An input in the slot of the output: its rows have left with it.
+            let over = (step.overwritten(pass).zip(pass.outputs.first().copied().flatten()))
+                .filter(|(lane, by)| self.plan.homes[*lane] == self.plan.homes[*by])
+                .map(|(lane, _)| lane);
+            let lanes: SmallVec<[Rows<'_>; 16]> = (pass.inputs.iter())
                 .map(|source| match source {
                     LaneSource::Const(v) => constants.get(*v),
-                    LaneSource::Lane(id) => match (self.plan.homes[*id], slot_of.get(id)) {
+                    LaneSource::Lane(id) if over == Some(*id) => {
+                        Rows::window(&[], width, height, first as i64)
+                    }
+                    LaneSource::Lane(id) => match (self.plan.homes[*id], slot_of[*id]) {
                         (Home::Scratch(slot), _) => {
                             Rows::window(&scratch[slot][..len], width, height, first as i64)
                         }
-                        (Home::Plane, Some(&slot)) => {
+                        (Home::Plane, Some(slot)) => {
                             Rows::window(&own[slot][..len], width, height, first as i64)
                         }
                         (Home::Plane, None) => self.read(*id),
                     },
                 })
                 .collect();
-            let (mut next_scratch, mut next_own) = (taken_scratch.iter_mut(), taken_own.iter_mut());
-            let slices = pass
-                .outputs
-                .iter()
-                .map(|id| {
-                    id.map(|id| match self.plan.homes[id] {
-                        Home::Scratch(_) => next_scratch.next().map(|v| &mut v[..len]),
-                        Home::Plane => next_own.next().map(|v| &mut v[..len]),
-                    })
-                    .flatten()
+            let slices = (taken.iter_mut())
+                .map(|taken| match taken {
+                    Taken::None => None,
+                    Taken::Scratch(rows) => Some(&mut rows[..len]),
+                    Taken::Own(rows) => Some(&mut rows[..len]),
                 })
                 .collect();
             let mut outs = Outputs::new(&step.output_offsets, slices, width, first as i64);
+            let over = over.and(step.node.overwrites());
             self.node(s, || {
-                let ins = Inputs::new(&step.input_offsets, &lanes);
+                let ins = Inputs::new(&step.input_offsets, &lanes).over(over);
                 step.node.eval(&self.cx(s), first as i64..(first + rows) as i64, &ins, &mut outs);
             });
-            let (mut back_scratch, mut back_own) = (taken_scratch.into_iter(), taken_own.into_iter());
-            for id in pass.outputs.iter().flatten() {
-                match self.plan.homes[*id] {
-                    Home::Scratch(slot) => scratch[slot] = back_scratch.next().unwrap_or_default(),
-                    Home::Plane => own[slot_of[id]] = back_own.next().unwrap_or_default(),
+            drop((outs, lanes));
+            for (id, taken) in pass.outputs.iter().zip(taken) {
+                match (id.map(|id| (self.plan.homes[id], slot_of[id])), taken) {
+                    (Some((Home::Scratch(slot), _)), Taken::Scratch(rows)) => scratch[slot] = rows,
+                    (Some((_, Some(slot))), Taken::Own(rows)) => own[slot] = rows,
+                    _ => {}
                 }
             }
         }

@@ -41,4 +41,4 @@ pub use png::PngCompression;
 pub use read::{MAX_SAMPLES, load_assets, read_bytes, read_image};
 pub use sets::read_set;
 pub use stream::{MapHead, Parts};
-pub use write::{Output, SetWriter, Staged, WriteOptions, encode_png, write_set, write_text};
+pub use write::{Output, SetWriter, Staged, WriteOptions, encode_exr, encode_png, write_set, write_text};

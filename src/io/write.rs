@@ -322,6 +322,19 @@ pub fn encode_png(
     png::write(map, options, compression, watched, out).map_err(|p| p.at(Path::new(map.kind.name())))
 }
 
+/// Encode one map as OpenEXR, on the current rayon pool, into anything.
+///
+/// # Errors
+/// If the map has more texels to a side than the format allows, or `out` fails.
+pub fn encode_exr(
+    map: &MapImage,
+    options: &ExrOptions,
+    out: impl std::io::Write + std::io::Seek,
+) -> Result<(), IoError> {
+    let watched = Watched { name: map.kind.name(), by: None };
+    exr::write(&[map], false, options, watched, out).map_err(|p| p.at(Path::new(map.kind.name())))
+}
+
 /// Write a text file, whole or not at all.
 pub fn write_text(path: &Path, text: &str) -> Result<(), IoError> {
     Aside::write(path.to_owned(), |out| Ok(std::io::Write::write_all(out, text.as_bytes())?))?.commit()

@@ -34,7 +34,7 @@ use std::sync::Arc;
 use serde::{Serialize, de::DeserializeOwned};
 
 pub use spec::{Category, Fallback, InputSpec, Kind, OutputKind, OutputSpec, PortKind, Reach, Spec};
-pub use views::{Asset, Assets, Inputs, Outputs};
+pub use views::{Asset, Assets, Inputs, OutputLanes, Outputs};
 
 use crate::base::Domain;
 pub use crate::base::params::{self, ParamError};
@@ -109,6 +109,12 @@ pub trait Operation:
         None
     }
 
+    /// The input whose rows the only output may be written over, for a node that reads its own texel only: where nobody else
+    /// reads them, one buffer serves both. [`Inputs::is_output`] then tells it so.
+    fn overwrites(&self) -> Option<usize> {
+        None
+    }
+
     /// Image files it reads.
     fn files(&self) -> Vec<&str> {
         Vec::new()
@@ -141,6 +147,8 @@ pub trait Node: Debug + Send + Sync {
     fn own_bytes(&self, domain: &Domain, rows: usize) -> u64;
     /// See [`Operation::forwards`].
     fn forwards(&self) -> Option<usize>;
+    /// See [`Operation::overwrites`].
+    fn overwrites(&self) -> Option<usize>;
     /// See [`Operation::files`].
     fn files(&self) -> Vec<&str>;
     /// See [`Operation::prepare`].
@@ -169,6 +177,9 @@ impl<T: Operation> Node for T {
     }
     fn forwards(&self) -> Option<usize> {
         Operation::forwards(self)
+    }
+    fn overwrites(&self) -> Option<usize> {
+        Operation::overwrites(self)
     }
     fn files(&self) -> Vec<&str> {
         Operation::files(self)

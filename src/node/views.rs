@@ -3,6 +3,8 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use smallvec::SmallVec;
+
 use crate::base::{Plane, Rows};
 
 /// An image file as planes: 1 (grey) or 3 (linear RGB) channels, values as stored, alpha apart.
@@ -23,13 +25,26 @@ pub struct Inputs<'a> {
     /// First lane of each input, and one past the last.
     offsets: &'a [usize],
     lanes: &'a [Rows<'a>],
+    /// The lane that lies in the output.
+    over: Option<usize>,
 }
 
 impl<'a> Inputs<'a> {
     /// Inputs over lanes; input `i` owns lanes `offsets[i] .. offsets[i + 1]`.
     pub fn new(offsets: &'a [usize], lanes: &'a [Rows<'a>]) -> Self {
         debug_assert_eq!(offsets.last(), Some(&lanes.len()));
-        Self { offsets, lanes }
+        Self { offsets, lanes, over: None }
+    }
+
+    /// The same, where the rows of scalar input `input` lie in the only output, to be written over: its lane is not read.
+    pub fn over(self, input: Option<usize>) -> Self {
+        Self { over: input.map(|input| self.offsets[input]), ..self }
+    }
+
+    /// Whether the rows of this input are those that lie in the output. It has no rows of its own then.
+    #[inline]
+    pub fn is_output(&self, input: usize) -> bool {
+        self.over == Some(self.offsets[input])
     }
 
     /// The rows of a scalar (or per-channel) input.
@@ -64,19 +79,22 @@ impl<'a> Inputs<'a> {
     }
 }
 
+/// The lanes of outputs, those that nobody reads `None`: on the stack, as nodes have few and a band takes microseconds.
+pub type OutputLanes<'a> = SmallVec<[Option<&'a mut [f32]>; 16]>;
+
 /// The outputs of one evaluation: a band of rows of every wanted output.
 #[derive(Debug)]
 pub struct Outputs<'a> {
     /// First lane of each output, and one past the last.
     offsets: &'a [usize],
-    lanes: Vec<Option<&'a mut [f32]>>,
+    lanes: OutputLanes<'a>,
     width: usize,
     first: i64,
 }
 
 impl<'a> Outputs<'a> {
     /// Outputs over lanes, each a band of rows that starts at torus row `first`; a lane that nobody reads is `None`.
-    pub fn new(offsets: &'a [usize], lanes: Vec<Option<&'a mut [f32]>>, width: usize, first: i64) -> Self {
+    pub fn new(offsets: &'a [usize], lanes: OutputLanes<'a>, width: usize, first: i64) -> Self {
         debug_assert_eq!(offsets.last(), Some(&lanes.len()));
         Self { offsets, lanes, width, first }
     }

@@ -80,6 +80,11 @@ pub struct Step {
 }
 
 impl Step {
+    /// The lane of a pass that its output may be written over.
+    pub(crate) fn overwritten(&self, pass: &Pass) -> Option<LaneId> {
+        pass.inputs[self.input_offsets[self.node.overwrites()?]].lane()
+    }
+
     /// Estimated cost of the step on one thread, ns per texel.
     pub fn cost_ns(&self) -> f32 {
         self.node.cost_ns() * self.passes.len() as f32

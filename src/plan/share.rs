@@ -235,6 +235,9 @@ impl Node for Shelved {
         None
     }
 
+    fn overwrites(&self) -> Option<usize> {
+        None
+    }
     fn files(&self) -> Vec<&str> {
         Vec::new()
     }

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::lower::Lowered;
-use super::{Home, LaneId, LaneSource, MapPlan, Plan, Stage, Step};
+use super::{Home, LaneId, LaneSource, MapPlan, Pass, Plan, Stage, Step};
 use crate::base::{Domain, MapKind};
 use crate::node::{Assets, Reach};
 
@@ -131,7 +131,11 @@ fn assign_scratch(steps: &[Step], rows: &[usize], homes: &mut [Home]) -> usize {
     let mut free: Vec<usize> = Vec::new();
     let mut slots = 0;
     for &s in rows {
-        for lane in lanes_written(&steps[s]) {
+        let over = overwritten(&steps[s], homes, |lane| last_reader[lane] == s);
+        for &(lane, by) in &over {
+            homes[by] = homes[lane];
+        }
+        for lane in lanes_written(&steps[s]).filter(|lane| over.iter().all(|(_, by)| by != lane)) {
             if let Home::Scratch(_) = homes[lane] {
                 let slot = free.pop().unwrap_or_else(|| {
                     slots += 1;
@@ -144,7 +148,7 @@ fn assign_scratch(steps: &[Step], rows: &[usize], homes: &mut [Home]) -> usize {
         let mut done: Vec<LaneId> = lanes_read(&steps[s]).filter(|&lane| last_reader[lane] == s).collect();
         done.sort_unstable();
         done.dedup();
-        for lane in done {
+        for lane in done.into_iter().filter(|lane| over.iter().all(|(from, _)| from != lane)) {
             if let Home::Scratch(slot) = homes[lane]
                 && slot != usize::MAX
             {
@@ -153,6 +157,18 @@ fn assign_scratch(steps: &[Step], rows: &[usize], homes: &mut [Home]) -> usize {
         }
     }
     slots
+}
+
+/// Lanes of a step that its outputs are written over, and by which: those that nobody else reads, and it once.
+fn overwritten(step: &Step, homes: &[Home], is_last: impl Fn(LaneId) -> bool) -> Vec<(LaneId, LaneId)> {
+    let pair = |pass: &Pass| {
+        let [Some(by)] = pass.outputs[..] else { return None };
+        let lane = step.overwritten(pass)?;
+        let slots = matches!((homes[lane], homes[by]), (Home::Scratch(_), Home::Scratch(_)));
+        let once = lanes_read(step).filter(|read| *read == lane).count() == 1;
+        (slots && once && is_last(lane)).then_some((lane, by))
+    };
+    step.passes.iter().filter_map(pair).collect()
 }
 
 fn free_after_last_read(

@@ -67,10 +67,6 @@ impl Default for Belly {
 impl Belly {
     /// The belly laid over the back's colour.
     pub(super) fn paint(&self, l: &mut Lowering<'_>, back: Wire) -> Wire {
-        let mut color = Wire::from(self.color);
-        if let (Some(color2), Some(mask)) = (self.color2, self.mask2(l)) {
-            color = l.mix("belly_colors", color, color2.into(), mask);
-        }
         // Rows of the flank, as a share of the half girth that the back takes.
         let row = (1.0 - l.belly) / (0.5 * l.lattice.rows as f32) / (1.0 - l.belly);
         let edge = 1.0 - self.rows * row;
@@ -83,10 +79,15 @@ impl Belly {
             let scutes = l.scute_mask();
             mask = l.add("belly_mask", Max::default(), &[("a", mask), ("b", scutes)]);
         }
+        let mut color = Wire::from(self.color);
+        if let (Some(color2), Some(mask2)) = (self.color2, self.mask2(l, mask.clone())) {
+            color = l.mix("belly_colors", color, color2.into(), mask2);
+        }
         l.mix("belly_over_back", back, color, mask)
     }
 
-    fn mask2(&self, l: &mut Lowering<'_>) -> Option<Wire> {
+    /// Where the second colour is; it need not hold where `belly` is 0.
+    fn mask2(&self, l: &mut Lowering<'_>, belly: Wire) -> Option<Wire> {
         let threshold = |l: &mut Lowering<'_>, field: Wire, at: f32, soft: f32| {
             l.add(
                 "belly_pattern",
@@ -118,8 +119,8 @@ impl Belly {
                 let size =
                     if self.pattern == BellyPattern::Patches { 2.5 * scute_mm } else { 0.35 * scute_mm };
                 let (cells_u, cells_v) = l.cells(size);
-                let noise =
-                    l.add("belly_noise", Fractal { cells_u, cells_v, octaves: 4, ..Fractal::default() }, &[]);
+                let noise = Fractal { cells_u, cells_v, octaves: 4, ..Fractal::default() };
+                let noise = l.add("belly_noise", noise, &[("where", belly)]);
                 Some(threshold(l, noise, 0.5 + 0.25 * (0.5 - self.amount), 0.03))
             }
         }

@@ -117,7 +117,7 @@ impl Color {
     pub(super) fn ground(&self, l: &mut Lowering<'_>) -> Wire {
         let mut color = Wire::from(self.base);
         if let Some(base2) = self.base2 {
-            let noise = l.patches("ground_patches", self.patch_scales, 3, 0.7);
+            let noise = l.patches("ground_patches", self.patch_scales, 3, 0.7, None);
             let mask = l.add(
                 "ground_mask",
                 Levels::default(),

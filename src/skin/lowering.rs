@@ -70,11 +70,25 @@ impl Lowering<'_> {
         (once(name("du"), du), once(name("dv"), dv))
     }
 
-    /// Noise in patches of `scales` scales, evaluated at scale centres by `quantise`, in [0, 1].
-    pub(super) fn patches(&mut self, name: &str, scales: f32, octaves: u32, quantise: f32) -> Wire {
+    /// Noise in patches of `scales` scales, evaluated at scale centres by `quantise`, in [0, 1]; 0.5 where the image of `seen` is
+    /// not between its bounds.
+    pub(super) fn patches(
+        &mut self,
+        name: &str,
+        scales: f32,
+        octaves: u32,
+        quantise: f32,
+        seen: Option<(Wire, [f32; 2])>,
+    ) -> Wire {
         let (cells_u, cells_v) = self.cells(scales * (self.pitch_mm * self.row_mm * 2.0).sqrt());
         let (du, dv) = self.offsets(quantise);
-        self.add(name, Fractal { cells_u, cells_v, octaves, ..Fractal::default() }, &[("du", du), ("dv", dv)])
+        let mut noise = Fractal { cells_u, cells_v, octaves, ..Fractal::default() };
+        let mut inputs = vec![("du", du), ("dv", dv)];
+        if let Some((image, [above, below])) = seen {
+            noise = Fractal { above, below, ..noise };
+            inputs.push(("where", image));
+        }
+        self.add(name, noise, &inputs)
     }
 
     /// Fine noise of `per_row` cells to a row width, in [0, 1].

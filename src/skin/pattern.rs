@@ -248,6 +248,37 @@ impl Default for Pattern {
     }
 }
 
+impl Layer {
+    /// From the outside in: halo, outline, mark, inside, those that it has; each with its colour and the depth at which the
+    /// distance is cut, row widths.
+    fn rings(&self) -> impl Iterator<Item = (&'static str, Srgb8, f32)> {
+        let outline = if self.outline_color.is_some() { self.outline } else { 0.0 };
+        let halo = if self.halo_color.is_some() { self.halo } else { 0.0 };
+        let rings = [
+            ("halo", self.halo_color, -(outline + halo)),
+            ("outline", self.outline_color, -outline),
+            ("mark", Some(self.color), 0.0),
+            ("inner", self.inner_color, self.inner),
+        ];
+        rings.into_iter().filter_map(|(ring, color, depth)| Some((ring, color?, depth)))
+    }
+
+    /// Half width of the blend across an edge, mm.
+    fn soft_mm(&self, l: &Lowering<'_>) -> f32 {
+        (self.softness * l.row_mm).max(1e-4)
+    }
+
+    /// Distances to its outline between which its colours change, mm, with room for rounding: what is farther out is not
+    /// covered at all, what is deeper inside is covered whole.
+    fn matters_mm(&self, l: &Lowering<'_>) -> [f32; 2] {
+        let depths = || self.rings().map(|(.., depth)| depth * l.row_mm);
+        let (least, greatest) = (depths().fold(0.0, f32::min), depths().fold(0.0, f32::max));
+        let soft = self.soft_mm(l);
+        let room = 0.01 * soft + 1e-4 * (greatest - least);
+        [least - soft - room, greatest + soft + room]
+    }
+}
+
 /// What the layers add to: colour, pattern mask, and roughness by layer.
 pub(super) struct Painted {
     pub(super) color: Wire,
@@ -283,20 +314,10 @@ impl Pattern {
         let quantise = layer.quantise.unwrap_or(self.quantise);
         let distance = self.distance(l, layer, name, quantise);
         let window = window(l, layer, name, below);
-        let soft = (layer.softness * l.row_mm).max(1e-4);
+        let soft = layer.soft_mm(l);
 
-        // From the outside in: halo, outline, mark, inside; each mask is the distance cut at another depth.
-        let outline = if layer.outline_color.is_some() { layer.outline } else { 0.0 };
-        let halo = if layer.halo_color.is_some() { layer.halo } else { 0.0 };
-        let rings = [
-            ("halo", layer.halo_color, -(outline + halo)),
-            ("outline", layer.outline_color, -outline),
-            ("mark", Some(layer.color), 0.0),
-            ("inner", layer.inner_color, layer.inner),
-        ];
         let mut outermost: Option<Wire> = None;
-        for (ring, color, depth) in rings {
-            let Some(color) = color else { continue };
+        for (ring, color, depth) in layer.rings() {
             let depth_mm = depth * l.row_mm;
             let mut mask = l.add(
                 format!("{name}_{ring}_cut"),
@@ -330,14 +351,16 @@ impl Pattern {
     /// Signed distance to the layer's outline, mm, positive inside.
     fn distance(&self, l: &mut Lowering<'_>, layer: &Layer, name: &str, quantise: f32) -> Wire {
         let (du, dv) = l.offsets(quantise);
-        let offsets = |distort: Wire| [("distort", distort), ("du", du.clone()), ("dv", dv.clone())];
+        let at = [("du", du.clone()), ("dv", dv.clone())];
         let scale_mm = (l.pitch_mm * l.row_mm * 2.0).sqrt();
         match layer.kind {
             LayerKind::Marks | LayerKind::Rings => {
-                let distort = self.distortion(l, layer, name, quantise);
                 let rings = layer.kind == LayerKind::Rings;
+                let count = ((layer.amount * l.repeats as f32).round() as u32).max(1);
+                // Marks melt together also where they are not seen.
+                let melting_mm = 1.01 * layer.blend * l.length_mm / count as f32;
                 let marks = Marks {
-                    count: ((layer.amount * l.repeats as f32).round() as u32).max(1),
+                    count,
                     shape: if rings { MarkShape::Quad } else { layer.shape },
                     sides: if rings { Sides::Middle } else { layer.sides },
                     position: layer.position,
@@ -352,11 +375,12 @@ impl Pattern {
                     slip: layer.slip,
                     blend: layer.blend,
                     belly: l.belly,
+                    farthest: self.distortion_mm(l, layer) - layer.matters_mm(l)[0] + melting_mm,
                 };
-                l.add(format!("{name}_marks"), marks, &offsets(distort))
+                let marks = l.add(format!("{name}_marks"), marks, &at);
+                self.distorted(l, layer, name, "ragged", quantise, marks)
             }
             LayerKind::Stripe => {
-                let distort = self.distortion(l, layer, name, quantise);
                 let half = 0.5 * layer.rows;
                 let outer = l.lattice.row_position(layer.row + half);
                 let inner = if layer.row >= half {
@@ -365,7 +389,8 @@ impl Pattern {
                     -l.lattice.row_position(half - layer.row)
                 };
                 let stripe = BodyStripe { position: (0.5 * (outer + inner)).max(0.0), width: outer - inner };
-                l.add(format!("{name}_stripe"), stripe, &offsets(distort))
+                let stripe = l.add(format!("{name}_stripe"), stripe, &at);
+                self.distorted(l, layer, name, "ragged", quantise, stripe)
             }
             LayerKind::Irregular => {
                 let size_mm = layer.size * scale_mm;
@@ -380,7 +405,7 @@ impl Pattern {
                         octaves: 4,
                         ..Fractal::default()
                     },
-                    &[("du", du.clone()), ("dv", dv.clone())],
+                    &at,
                 );
                 field_distance(l, name, noise, 1.0 - fbm_quantile(layer.coverage), 2.5 * size_mm)
             }
@@ -390,20 +415,16 @@ impl Pattern {
                 let radius = (layer.coverage.min(0.7) / std::f32::consts::PI).sqrt();
                 let cell_mm = 0.5 * size_mm / radius.max(0.05);
                 let (cells_u, cells_v) = l.cells(cell_mm);
-                let f1 = l.add(
-                    format!("{name}_cells"),
-                    Worley { cells_u, cells_v, ..Worley::default() },
-                    &[("du", du.clone()), ("dv", dv.clone())],
-                );
+                let f1 =
+                    l.add(format!("{name}_cells"), Worley { cells_u, cells_v, ..Worley::default() }, &at);
                 let spots = field_distance(l, name, f1, radius, -cell_mm);
-                let distort = self.distortion(l, layer, name, quantise);
-                l.add(format!("{name}_spots"), Add::default(), &[("a", spots), ("b", distort)])
+                self.distorted(l, layer, name, "spots", quantise, spots)
             }
             LayerKind::Scatter => {
                 let random = l.scales.port("random");
                 let chosen = if layer.size > 1.0 {
                     // A slow noise lowers the bar where clusters are.
-                    let noise = l.patches(&format!("{name}_clusters"), layer.size, 2, 1.0);
+                    let noise = l.patches(&format!("{name}_clusters"), layer.size, 2, 1.0, None);
                     let lift = l.add(
                         format!("{name}_lift"),
                         Levels::default(),
@@ -424,7 +445,6 @@ impl Pattern {
             LayerKind::Reaction | LayerKind::Automaton => {
                 let size_mm = layer.size * scale_mm;
                 let cells = ((l.girth_mm.min(l.length_mm) / size_mm).round() as u32).clamp(1, 64);
-                let at = [("du", du.clone()), ("dv", dv.clone())];
                 let field = if layer.kind == LayerKind::Reaction {
                     let node = GrayScott { reaction: layer.reaction, cells, ..GrayScott::default() };
                     l.add(format!("{name}_reaction"), node, &at)
@@ -434,8 +454,7 @@ impl Pattern {
                     l.add(format!("{name}_automaton"), node, &at)
                 };
                 let grown = field_distance(l, name, field, 0.5, 0.5 * size_mm);
-                let distort = self.distortion(l, layer, name, quantise);
-                l.add(format!("{name}_grown"), Add::default(), &[("a", grown), ("b", distort)])
+                self.distorted(l, layer, name, "grown", quantise, grown)
             }
             LayerKind::Sketch => {
                 let image = l.add(
@@ -455,8 +474,7 @@ impl Pattern {
                 );
                 // The node's distance is negative inside, a layer's positive.
                 let inside = l.multiply(format!("{name}_inside_mm"), at_scale, (-1.0).into());
-                let distort = self.distortion(l, layer, name, quantise);
-                l.add(format!("{name}_sketch"), Add::default(), &[("a", inside), ("b", distort)])
+                self.distorted(l, layer, name, "sketch", quantise, inside)
             }
             LayerKind::Speckle => {
                 let (cells_u, cells_v) = l.cells(layer.size * scale_mm);
@@ -476,14 +494,29 @@ impl Pattern {
         }
     }
 
-    /// Noise that pushes outlines about, mm.
-    fn distortion(&self, l: &mut Lowering<'_>, layer: &Layer, name: &str, quantise: f32) -> Wire {
-        let strength = layer.edge_distortion.unwrap_or(self.edge_distortion) * l.row_mm;
+    /// How far noise pushes a layer's outline either way, mm.
+    fn distortion_mm(&self, l: &Lowering<'_>, layer: &Layer) -> f32 {
+        (layer.edge_distortion.unwrap_or(self.edge_distortion) * l.row_mm).max(0.0)
+    }
+
+    /// A distance to a layer's outline, mm, whose outline noise pushes about. Where that changes no colour there is no noise.
+    fn distorted(
+        &self,
+        l: &mut Lowering<'_>,
+        layer: &Layer,
+        name: &str,
+        result: &str,
+        quantise: f32,
+        distance: Wire,
+    ) -> Wire {
+        let strength = self.distortion_mm(l, layer);
         if strength <= 0.0 {
-            return 0.0.into();
+            return distance;
         }
-        let noise = l.patches(&format!("{name}_edge_noise"), self.edge_scales, 3, quantise);
-        l.add(
+        let [least, greatest] = layer.matters_mm(l);
+        let seen = (distance.clone(), [least - strength, greatest + strength]);
+        let noise = l.patches(&format!("{name}_edge_noise"), self.edge_scales, 3, quantise, Some(seen));
+        let edge = l.add(
             format!("{name}_edge"),
             Levels::default(),
             &[
@@ -493,7 +526,8 @@ impl Pattern {
                 ("out_low", (-strength).into()),
                 ("out_high", strength.into()),
             ],
-        )
+        );
+        l.add(format!("{name}_{result}"), Add::default(), &[("a", distance), ("b", edge)])
     }
 }
 

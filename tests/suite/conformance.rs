@@ -3,11 +3,12 @@
 use std::sync::Arc;
 
 use ophidian::base::simd::{self, Level};
-use ophidian::base::{Domain, Plane};
+use ophidian::base::{Domain, Plane, Rows};
 use ophidian::eval::{Input, run_node};
 use ophidian::graph::reference;
 use ophidian::node::{
-    self, Asset, Assets, Category, Fallback, InputSpec, Node, Op, OutputKind, OutputSpec, PortKind, Reach,
+    self, Asset, Assets, Category, Cx, Fallback, InputSpec, Inputs, Node, Op, OutputKind, OutputSpec,
+    Outputs, PortKind, Reach,
 };
 use rayon::prelude::*;
 
@@ -418,6 +419,50 @@ fn every_simd_level_gives_the_same_bits() {
         }
     }
     simd::force(Level::Avx512);
+}
+
+#[test]
+fn an_output_written_over_its_input_has_the_same_bits() {
+    let domain = Domain { width: 150, height: 4, girth_mm: 150.0, length_mm: 4.0 };
+    let found = std::sync::atomic::AtomicUsize::new(0);
+    for_every_op(|op| {
+        let mut failures = Vec::new();
+        for variant in variants(op, true) {
+            let node = variant.node.as_ref();
+            let Some(over) = node.overwrites() else { continue };
+            found.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+            let images = probes(node, &domain);
+            // Every other input as an image, and as a number: its first texel.
+            for numbers in [false, true] {
+                let input = |i: usize| match numbers && i != over {
+                    true => Input::Value(images[i][0].data()[0]),
+                    false => Input::Plane(&images[i][0]),
+                };
+                let inputs: Vec<_> = (0..images.len()).map(input).collect();
+                let apart = run_node(node, &domain, SEED, &inputs, &assets(), 0).remove(0);
+                let constants: Vec<_> = images.iter().map(|i| vec![i[0].data()[0]; domain.width]).collect();
+                let lane = |i: usize| match numbers {
+                    _ if i == over => Rows::window(&[], domain.width, domain.height, 0),
+                    true => Rows::broadcast(&constants[i]),
+                    false => images[i][0].rows(),
+                };
+                let lanes: Vec<_> = (0..images.len()).map(lane).collect();
+                let offsets: Vec<_> = (0..=images.len()).collect();
+                let mut own = images[over][0].clone();
+                let mut outs =
+                    Outputs::new(&[0, 1], [Some(own.data_mut())].into_iter().collect(), domain.width, 0);
+                let cx = Cx { domain, seed: SEED, assets: &assets(), prepared: None };
+                let ins = Inputs::new(&offsets, &lanes).over(Some(over));
+                node.eval(&cx, 0..domain.height as i64, &ins, &mut outs);
+                drop(outs);
+                if bits(&[own]) != bits(&[apart]) {
+                    failures.push(format!("{} numbers {numbers}", variant.what));
+                }
+            }
+        }
+        failures
+    });
+    assert!(found.into_inner() >= 10, "nodes that write over an input");
 }
 
 #[test]

@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 
 use ophidian::base::MapKind;
+use ophidian::graph::{Graph, to_toml};
 use ophidian::plan::Plan;
 use ophidian::preset::builtin::BUILTIN;
 
@@ -62,4 +63,34 @@ fn a_map_that_is_one_number_has_no_steps() {
     // One plane, which holds the number.
     assert_eq!(film.peak_bytes, 4 * film.domain.texels() as u64);
     assert!(!plan("xenopeltis_unicolor", &[MapKind::Iridescence]).steps.is_empty());
+}
+
+/// The same graph with all noise computed everywhere, and all distances told.
+fn without_bounds(graph: &Graph) -> Option<Graph> {
+    let text = to_toml(graph);
+    let is_bound = |line: &str| {
+        let key = line.split(" = ").next().unwrap_or(line);
+        ["where", "above", "below", "farthest"].contains(&key)
+    };
+    let rest: Vec<_> = text.lines().filter(|line| !is_bound(line)).collect();
+    (rest.len() < text.lines().count()).then(|| made::parse(&rest.join("\n")))
+}
+
+/// Colours are the same where the noise of outlines and bellies is computed only where it shows.
+#[test]
+fn noise_is_left_out_where_no_map_shows_it() {
+    let wanted = [MapKind::Color, MapKind::Roughness, MapKind::PatternMask];
+    let mut found = 0;
+    for (name, _) in BUILTIN {
+        let graph = made::graph(name, &[]);
+        let Some(everywhere) = without_bounds(&graph) else { continue };
+        found += 1;
+        let domain = made::domain(&graph, 160);
+        let wanted: Vec<_> = wanted.into_iter().filter(|kind| graph.maps.contains_key(kind)).collect();
+        let (ours, all) = (made::planes(&graph, &wanted, domain), made::planes(&everywhere, &wanted, domain));
+        for kind in wanted {
+            assert!(ours[&kind] == all[&kind], "{name}: {kind}");
+        }
+    }
+    assert!(found >= 10, "{found} presets leave noise out");
 }

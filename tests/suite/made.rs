@@ -4,12 +4,12 @@ use std::collections::BTreeMap;
 use std::sync::{LazyLock, Mutex};
 
 use ophidian::base::{Domain, MapKind};
-use ophidian::eval::{self, Control};
+use ophidian::eval::{self, Control, MapPlanes};
 use ophidian::graph::{self, Graph, Source};
 use ophidian::maps::{SetId, TextureSet, assemble};
 use ophidian::plan::Plan;
 use ophidian::preset::builtin::{self, BUILTIN};
-use ophidian::preset::{Diagnostics, overrides};
+use ophidian::preset::{Diagnostics, Document, overrides};
 use rayon::prelude::*;
 
 /// Held by tests that force a SIMD level, which is the whole process's.
@@ -32,6 +32,18 @@ pub(crate) fn graph_with_film(name: &str) -> Graph {
         Source::Scalar(_) => graph(name, &["iridescence.thickness_nm=300"]),
         _ => own,
     }
+}
+
+/// A graph from its text, nodes only.
+pub(crate) fn parse(text: &str) -> Graph {
+    let document = Document::parse("graph.toml", text).unwrap_or_else(|error| panic!("{error}"));
+    graph::from_document(&document, None).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// The planes of wanted maps.
+pub(crate) fn planes(graph: &Graph, wanted: &[MapKind], domain: Domain) -> BTreeMap<MapKind, MapPlanes> {
+    let plan = Plan::new(graph, wanted, domain, None).expect("a plan");
+    eval::run(&plan, Control::default()).expect("nobody cancels").maps
 }
 
 /// The domain of a preset with `longer` texels on its longer side.

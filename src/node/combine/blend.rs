@@ -56,6 +56,10 @@ macro_rules! blend {
                 0.3
             }
 
+            fn overwrites(&self) -> Option<usize> {
+                Some(0)
+            }
+
             fn eval(
                 &self,
                 _: &$crate::node::Cx<'_>,
@@ -63,8 +67,13 @@ macro_rules! blend {
                 ins: &$crate::node::Inputs<'_>,
                 outs: &mut $crate::node::Outputs<'_>,
             ) {
+                let is_output = ins.is_output(0);
                 for y in rows {
-                    kernel(ins.row(0, y), ins.row(1, y), ins.row(2, y), outs.only(y));
+                    if is_output {
+                        over(ins.row(1, y), ins.row(2, y), outs.only(y));
+                    } else {
+                        kernel(ins.row(0, y), ins.row(1, y), ins.row(2, y), outs.only(y));
+                    }
                 }
             }
         }
@@ -78,6 +87,15 @@ macro_rules! blend {
             fn kernel(a: &[f32], b: &[f32], amount: &[f32], out: &mut [f32]) {
                 for (((o, a), b), m) in out.iter_mut().zip(a).zip(b).zip(amount) {
                     *o = $crate::node::combine::blend::show(*a, formula(*a, *b), *m);
+                }
+            }
+        }
+
+        $crate::multiversion! {
+            /// `a` is in `out`.
+            fn over(b: &[f32], amount: &[f32], out: &mut [f32]) {
+                for ((o, b), m) in out.iter_mut().zip(b).zip(amount) {
+                    *o = $crate::node::combine::blend::show(*o, formula(*o, *b), *m);
                 }
             }
         }

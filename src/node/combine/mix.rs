@@ -39,17 +39,48 @@ impl Operation for Mix {
         0.3
     }
 
+    fn overwrites(&self) -> Option<usize> {
+        Some(A)
+    }
+
     fn eval(&self, _: &Cx<'_>, rows: Range<i64>, ins: &Inputs<'_>, outs: &mut Outputs<'_>) {
+        let is_output = ins.is_output(A);
         for y in rows {
-            kernel(ins.row(A, y), ins.row(B, y), ins.row(MASK, y), outs.only(y));
+            let (b, mask) = (ins.row(B, y), ins.row(MASK, y));
+            if is_output {
+                over(b, mask, outs.only(y));
+            } else {
+                kernel(ins.row(A, y), b, mask, outs.only(y));
+            }
         }
     }
 }
 
+/// `a` itself where the mask is 0, also the sign of its zeros.
+#[inline(always)]
+fn mixed(a: f32, b: f32, mask: f32) -> f32 {
+    let mix = num::lerp(a, b, num::saturate(mask));
+    if mask > 0.0 { mix } else { a }
+}
+
 multiversion! {
     fn kernel(a: &[f32], b: &[f32], mask: &[f32], out: &mut [f32]) {
-        for (((o, a), b), m) in out.iter_mut().zip(a).zip(b).zip(mask) {
-            *o = num::lerp(*a, *b, num::saturate(*m));
+        for (((o, a), b), m) in out.iter_mut().zip(a).zip(b).zip(mask) { *o = mixed(*a, *b, *m); }
+    }
+}
+
+/// Texels that are left as they are where the mask is 0 all over them.
+const BLOCK: usize = 64;
+
+multiversion! {
+    /// `a` is in `out`.
+    fn over(b: &[f32], mask: &[f32], out: &mut [f32]) {
+        for ((o, b), m) in out.chunks_mut(BLOCK).zip(b.chunks(BLOCK)).zip(mask.chunks(BLOCK)) {
+            let mut any = false;
+            for m in m { any |= *m > 0.0; }
+            if any {
+                for ((o, b), m) in o.iter_mut().zip(b).zip(m) { *o = mixed(*o, *b, *m); }
+            }
         }
     }
 }

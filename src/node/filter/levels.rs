@@ -54,16 +54,27 @@ impl Operation for Levels {
         1.0
     }
 
+    fn overwrites(&self) -> Option<usize> {
+        Some(IMAGE)
+    }
+
     fn eval(&self, _: &Cx<'_>, rows: Range<i64>, ins: &Inputs<'_>, outs: &mut Outputs<'_>) {
+        let is_output = ins.is_output(IMAGE);
         let linear = ins.constant(GAMMA) == Some(1.0);
         let levels = [IN_LOW, IN_HIGH, OUT_LOW, OUT_HIGH].map(|level| ins.constant(level));
         for y in rows {
-            let image = ins.row(IMAGE, y);
             if let (true, [Some(in_low), Some(in_high), Some(out_low), Some(out_high)]) = (linear, levels) {
-                stretch_all(image, [in_low, in_high], [out_low, out_high], outs.only(y));
+                let (from, to) = ([in_low, in_high], [out_low, out_high]);
+                match is_output {
+                    true => stretch_over(from, to, outs.only(y)),
+                    false => stretch_all(ins.row(IMAGE, y), from, to, outs.only(y)),
+                }
                 continue;
             }
-            stretch(image, ins.row(IN_LOW, y), ins.row(IN_HIGH, y), outs.only(y));
+            if !is_output {
+                outs.only(y).copy_from_slice(ins.row(IMAGE, y));
+            }
+            stretch(ins.row(IN_LOW, y), ins.row(IN_HIGH, y), outs.only(y));
             if !linear {
                 power(ins.row(GAMMA, y), outs.only(y));
             }
@@ -88,10 +99,15 @@ multiversion! {
 }
 
 multiversion! {
-    fn stretch(image: &[f32], low: &[f32], high: &[f32], out: &mut [f32]) {
-        for (((o, x), lo), hi) in out.iter_mut().zip(image).zip(low).zip(high) {
-            *o = num::linear_step(*lo, *hi, *x);
-        }
+    /// The same of what is in `out`.
+    fn stretch_over(from: [f32; 2], to: [f32; 2], out: &mut [f32]) {
+        for o in out { *o = between(to[0], to[1], num::linear_step(from[0], from[1], *o)); }
+    }
+}
+
+multiversion! {
+    fn stretch(low: &[f32], high: &[f32], out: &mut [f32]) {
+        for ((o, lo), hi) in out.iter_mut().zip(low).zip(high) { *o = num::linear_step(*lo, *hi, *o); }
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::lattice::{Bands, Cells, Coords, Metric, Perlin, PerlinRow, Shear, simplex, value, worley};
+use super::lattice::{Bands, Cells, Coords, Metric, Part, Perlin, PerlinRow, Shear, simplex, value, worley};
 use crate::base::kept::Kept;
 use crate::base::{hash, num};
 use crate::multiversion;
@@ -69,16 +69,37 @@ pub struct Fractal {
     /// How much finer each octave is: 2 is usual, slightly odd values such as 1.9 hide the doubling.
     #[schemars(range(min = 1.0, max = 4.0))]
     pub lacunarity: f32,
+    /// Noise is computed only where `where` is above this.
+    #[schemars(range(min = -1e9, max = 1e9))]
+    pub above: f32,
+    /// Noise is computed only where `where` is below this.
+    #[schemars(range(min = -1e9, max = 1e9))]
+    pub below: f32,
 }
 
 impl Default for Fractal {
     fn default() -> Self {
-        Self { basis: Basis::Perlin, sum: Sum::Fbm, cells_u: 4, cells_v: 4, octaves: 5, lacunarity: 2.0 }
+        Self {
+            basis: Basis::Perlin,
+            sum: Sum::Fbm,
+            cells_u: 4,
+            cells_v: 4,
+            octaves: 5,
+            lacunarity: 2.0,
+            above: 0.0,
+            below: 1e9,
+        }
     }
 }
 
 const GAIN: usize = 0;
-const DU: usize = 1;
+const WHERE: usize = 1;
+const DU: usize = 2;
+
+/// Where no noise is computed, this stands for it: its mean, for `fbm`.
+const ELSEWHERE: f32 = 0.5;
+/// Texels that are computed together if any of them is wanted.
+const BLOCK: usize = 64;
 
 /// Of Musgrave's feedback: the weight of an octave is the one before times this.
 const RIDGED_FEEDBACK: f32 = 2.0;
@@ -119,7 +140,7 @@ impl Fractal {
 
 impl Octave {
     /// Its signed noise.
-    fn sample(&self, at: &Coords, kept: &mut PerlinRow, out: &mut [f32]) {
+    fn sample(&self, at: &Part<'_>, kept: &mut PerlinRow, out: &mut [f32]) {
         let mut bands = Bands { f1: &mut [], f2: &mut [], edge: &mut [], id: &mut [] };
         match self {
             Self::Value(cells) => value(at, *cells, out),
@@ -154,6 +175,8 @@ struct Room {
     /// The ridges' feedback.
     weight: Vec<f32>,
     sums: Sums,
+    /// Texels that are computed.
+    wanted: Vec<Range<usize>>,
 }
 
 impl Room {
@@ -164,6 +187,7 @@ impl Room {
             noise: vec![0.0; width],
             weight: vec![0.0; width],
             sums: Sums::default(),
+            wanted: Vec::new(),
         }
     }
 }
@@ -195,6 +219,13 @@ impl Operation for Fractal {
                 (0.0, 1.0),
                 "",
                 "Strength of each octave against the one before: 0 smooth, 0.5 natural, 0.8 rough.",
+            ),
+            InputSpec::drive(
+                "where",
+                1.0,
+                (-1e9, 1e9),
+                "",
+                "A mask: where it is not between `above` and `below` the value is 0.5, and no noise is computed.",
             ),
             OFFSETS[0],
             OFFSETS[1],
@@ -237,8 +268,44 @@ impl Fractal {
         out: &mut [f32],
         room: &mut Room,
     ) {
-        let Room { at, kept, noise, weight, sums } = room;
-        at.set(&cx.domain, ins, DU, y);
+        let by = ins.row(WHERE, y);
+        room.wanted.clear();
+        match ins.constant(WHERE) {
+            Some(v) if self.above < v && v < self.below => room.wanted.push(0..out.len()),
+            Some(_) => {}
+            None => find(by, self.above, self.below, &mut room.wanted),
+        }
+        if ins.constant(WHERE).is_none() || room.wanted.is_empty() {
+            out.fill(ELSEWHERE);
+        }
+        if room.wanted.is_empty() {
+            return;
+        }
+        room.at.set(&cx.domain, ins, DU, y);
+        let wanted = std::mem::take(&mut room.wanted);
+        for texels in &wanted {
+            let out = &mut out[texels.clone()];
+            self.texels(octaves, ins, y, texels.clone(), out, room);
+            if ins.constant(WHERE).is_none() {
+                choose(&by[texels.clone()], self.above, self.below, out);
+            }
+        }
+        room.wanted = wanted;
+    }
+
+    /// The noise at some texels of a row.
+    fn texels(
+        &self,
+        octaves: &[Octave],
+        ins: &Inputs<'_>,
+        y: i64,
+        texels: Range<usize>,
+        out: &mut [f32],
+        room: &mut Room,
+    ) {
+        let Room { at, kept, noise, weight, sums, .. } = room;
+        let at = at.part(texels.clone());
+        let (noise, weight) = (&mut noise[..out.len()], &mut weight[..out.len()]);
         let gain = ins.constant(GAIN).map(num::saturate);
         out.fill(0.0);
         if self.sum == Sum::Ridged {
@@ -249,7 +316,13 @@ impl Fractal {
             sums.begin(out.len());
         }
         for (octave, kept) in octaves.iter().zip(kept) {
-            octave.sample(at, kept, noise);
+            if let (Octave::Perlin(perlin), Sum::Fbm, Some(gain)) = (octave, self.sum, gain) {
+                perlin.add(&at, kept, amp, noise, out);
+                total += amp;
+                amp *= gain;
+                continue;
+            }
+            octave.sample(&at, kept, noise);
             match gain {
                 Some(gain) => {
                     add(self.sum, noise, amp, weight, out);
@@ -258,7 +331,8 @@ impl Fractal {
                 }
                 None => {
                     signal(self.sum, noise, weight);
-                    add_weighted(noise, ins.row(GAIN, y), &mut sums.amp, &mut sums.total, out);
+                    let gain = &ins.row(GAIN, y)[texels.clone()];
+                    add_weighted(noise, gain, &mut sums.amp, &mut sums.total, out);
                 }
             }
         }
@@ -266,6 +340,35 @@ impl Fractal {
             Some(_) => divide(total, out),
             None => divide_each(&sums.total, out),
         }
+    }
+}
+
+/// Blocks of texels with any between both bounds, neighbours joined.
+fn find(by: &[f32], above: f32, below: f32, found: &mut Vec<Range<usize>>) {
+    for (k, block) in by.chunks(BLOCK).enumerate() {
+        if !any_between(block, above, below) {
+            continue;
+        }
+        let first = k * BLOCK;
+        match found.last_mut() {
+            Some(last) if last.end == first => last.end += block.len(),
+            _ => found.push(first..first + block.len()),
+        }
+    }
+}
+
+multiversion! {
+    fn any_between(by: &[f32], above: f32, below: f32) -> bool {
+        let mut any = false;
+        for v in by { any |= (above < *v) & (*v < below); }
+        any
+    }
+}
+
+multiversion! {
+    /// What was computed, where it was wanted.
+    fn choose(by: &[f32], above: f32, below: f32, out: &mut [f32]) {
+        for (o, v) in out.iter_mut().zip(by) { *o = if (above < *v) & (*v < below) { *o } else { ELSEWHERE }; }
     }
 }
 

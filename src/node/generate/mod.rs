@@ -41,7 +41,7 @@ pub use ellipse::Ellipse;
 pub use fractal::{Basis, Fractal, Sum};
 pub use hexagon::Hexagon;
 pub use lattice::Metric;
-pub(in crate::node) use lattice::{Coords, columns};
+pub(in crate::node) use lattice::{Coords, Part, columns};
 pub use leaf::Leaf;
 pub use linear_gradient::LinearGradient;
 pub use perlin_noise::PerlinNoise;

@@ -271,7 +271,8 @@ fn every(cells_u: u32, cells_v: u32) -> Vec<(Box<dyn Node>, usize)> {
     }
     for basis in [Basis::Value, Basis::Perlin, Basis::Simplex, Basis::WorleyF1, Basis::WorleyEdge] {
         for sum in [Sum::Fbm, Sum::Turbulence, Sum::Billow, Sum::Ridged] {
-            let node = Fractal { basis, sum, cells_u, cells_v, octaves: 3, lacunarity: 1.9 };
+            let node =
+                Fractal { basis, sum, cells_u, cells_v, octaves: 3, lacunarity: 1.9, ..Fractal::default() };
             nodes.push((Box::new(node), 0));
         }
     }
@@ -442,4 +443,39 @@ fn every_simd_level_gives_the_same_bits() {
         assert!(planes.all(|p| Some(&p) == base.as_ref()), "{node:?}");
     }
     force(Level::Avx512);
+}
+
+/// Where the input is between the bounds it is the noise bit for bit, elsewhere 0.5: at each basis, sum and kind of offsets.
+#[test]
+fn noise_is_computed_only_where_it_is_wanted() {
+    let domain = Domain { width: 400, height: 5, girth_mm: 400.0, length_mm: 5.0 };
+    // Wanted in the second half of every 150 texels, and at one texel of row 3.
+    let by = plane(&domain, |x, y| if x % 150 > 75 || (x, y) == (3, 3) { 1.0 } else { x as f32 * -0.01 });
+    let moved = plane(&domain, |x, _| 0.2 * (x as f32 * 0.05).sin());
+    let bases = [Basis::Value, Basis::Perlin, Basis::Simplex, Basis::WorleyF1, Basis::WorleyEdge];
+    for basis in bases {
+        for sum in [Sum::Fbm, Sum::Ridged] {
+            let all = Fractal { basis, sum, cells_u: 9, cells_v: 3, octaves: 3, ..Fractal::default() };
+            let some = Fractal { above: 0.5, below: 2.0, ..all.clone() };
+            for du in [Input::Value(0.1), Input::Plane(&moved)] {
+                for gain in [Input::Value(0.5), Input::Plane(&by)] {
+                    let with = |by| [gain, by, du];
+                    let noise = run(&all, &domain, 5, &with(Input::Unset)).remove(0);
+                    let left = run(&some, &domain, 5, &with(Input::Plane(&by))).remove(0);
+                    for (i, (n, l)) in noise.data().iter().zip(left.data()).enumerate() {
+                        let wanted = by.data()[i] == 1.0;
+                        assert_eq!(*l, if wanted { *n } else { 0.5 }, "{basis:?} {sum:?} {i}");
+                    }
+                }
+            }
+            // A number is the same everywhere.
+            let none = [Input::Unset, Input::Value(2.0)];
+            assert!(run(&some, &domain, 5, &none)[0].data().iter().all(|v| *v == 0.5));
+        }
+    }
+}
+
+fn plane(domain: &Domain, f: impl Fn(usize, usize) -> f32) -> Plane {
+    let texels = (0..domain.texels()).map(|i| f(i % domain.width, i / domain.width));
+    Plane::from_vec(domain.width, domain.height, texels.collect())
 }

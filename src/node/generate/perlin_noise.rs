@@ -54,7 +54,7 @@ impl Operation for PerlinNoise {
         for y in rows {
             at.set(&cx.domain, ins, 0, y);
             let out = outs.only(y);
-            noise.sample(&at, &mut kept, out);
+            noise.sample(&at.all(), &mut kept, out);
             to_unit(out);
         }
     }

@@ -304,10 +304,11 @@ mod tests {
         let lanes: Vec<_> = rows.iter().map(|r| crate::base::Rows::broadcast(r)).collect();
         let ins = Inputs::new(&[0, 1, 2, 3, 4, 5], &lanes);
         let mut only = vec![0.0; 200 * 400];
-        let mut outs = Outputs::new(&[0, 1, 2], vec![Some(&mut only), None], 200, 0);
+        let mut outs = Outputs::new(&[0, 1, 2], [Some(&mut only[..]), None].into_iter().collect(), 200, 0);
         let assets = Assets::new();
         let cx = Cx { domain: TILE, seed: 1, assets: &assets, prepared: None };
         Operation::eval(&node, &cx, 0..400, &ins, &mut outs);
+        drop(outs);
         assert_eq!(only, mask.data());
     }
 

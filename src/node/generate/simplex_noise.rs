@@ -53,7 +53,7 @@ impl Operation for SimplexNoise {
         for y in rows {
             at.set(&cx.domain, ins, 0, y);
             let out = outs.only(y);
-            simplex(&at, cells, shear, out);
+            simplex(&at.all(), cells, shear, out);
             to_unit(out);
         }
     }

@@ -45,7 +45,7 @@ impl Operation for ValueNoise {
         for y in rows {
             at.set(&cx.domain, ins, 0, y);
             let out = outs.only(y);
-            value(&at, cells, out);
+            value(&at.all(), cells, out);
             to_unit(out);
         }
     }

@@ -50,7 +50,7 @@ impl Operation for WhiteNoise {
         for y in rows {
             at.set(&cx.domain, ins, 0, y);
             let out = outs.only(y);
-            white(&at, cells, out);
+            white(&at.all(), cells, out);
             to_unit(out);
         }
     }

@@ -76,7 +76,7 @@ impl Operation for Worley {
                 edge: take_row(&mut edge, width),
                 id: take_row(&mut id, width),
             };
-            worley(&at, cells, self.metric, jitter, &mut row);
+            worley(&at.all(), cells, self.metric, jitter, &mut row);
         }
     }
 }

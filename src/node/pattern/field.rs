@@ -2,7 +2,7 @@
 
 use crate::base::Domain;
 use crate::multiversion;
-use crate::node::generate::Coords;
+use crate::node::generate::Part;
 
 /// A solution on the torus, `width x height` values.
 ///
@@ -111,7 +111,7 @@ impl Field {
     }
 
     /// Write one row of the map; `line` is scratch that keeps its memory from row to row.
-    pub(super) fn sample(&self, at: &Coords, line: &mut Vec<f32>, out: &mut [f32]) {
+    pub(super) fn sample(&self, at: &Part<'_>, line: &mut Vec<f32>, out: &mut [f32]) {
         let Some(v) = at.row_v() else { return anywhere(self, at.us(), at.vs(), out) };
         let stride = self.width + PAD;
         let (y, k) = taps(v, self.height as f32);
@@ -153,6 +153,7 @@ mod tests {
     use super::*;
     use crate::base::Rows;
     use crate::node::Inputs;
+    use crate::node::generate::Coords;
 
     fn sample(field: &Field, domain: &Domain, y: i64, du: f32, dv: &[f32]) -> Vec<f32> {
         let du = vec![du; domain.width];
@@ -160,7 +161,7 @@ mod tests {
         let mut at = Coords::new(domain.width);
         at.set(domain, &Inputs::new(&[0, 1, 2], &lanes), 0, y);
         let mut out = vec![0.0; domain.width];
-        field.sample(&at, &mut Vec::new(), &mut out);
+        field.sample(&at.all(), &mut Vec::new(), &mut out);
         out
     }
 
@@ -194,7 +195,7 @@ mod tests {
         let mut at = Coords::new(33);
         at.set(&domain, &Inputs::new(&[0, 1, 2], &lanes), 0, 3);
         let mut out = vec![0.0; 33];
-        field.sample(&at, &mut Vec::new(), &mut out);
+        field.sample(&at.all(), &mut Vec::new(), &mut out);
         assert_eq!(out, map);
     }
 

@@ -196,7 +196,7 @@ impl Operation for GrayScott {
         let mut line = Vec::new();
         for y in rows {
             at.set(&cx.domain, ins, 0, y);
-            field.sample(&at, &mut line, outs.only(y));
+            field.sample(&at.all(), &mut line, outs.only(y));
         }
     }
 }

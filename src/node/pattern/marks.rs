@@ -89,6 +89,9 @@ pub struct Marks {
     /// Share of the girth that the belly scutes span: what a flank is measured from.
     #[schemars(range(min = 0.0, max = 0.8))]
     pub belly: f32,
+    /// Outside the marks distances end here: what is farther away costs little.
+    #[schemars(range(min = 0.0, max = 1e6), extend("x-unit" = "mm"))]
+    pub farthest: f32,
 }
 
 impl Default for Marks {
@@ -109,6 +112,7 @@ impl Default for Marks {
             slip: 0.0,
             blend: 0.0,
             belly: 0.3,
+            farthest: 1e6,
         }
     }
 }
@@ -137,7 +141,11 @@ impl Operation for Marks {
         ],
         outputs: &[
             OutputSpec::scalar("distance", "mm", "Distance to the nearest mark's outline, positive inside."),
-            OutputSpec::scalar("random", "", "A random number of the nearest mark, in [0, 1)."),
+            OutputSpec::scalar(
+                "random",
+                "",
+                "A random number of the nearest mark, in [0, 1); 0 beyond `farthest`.",
+            ),
         ],
         random: true,
         scale_tolerance: 0.1,
@@ -157,7 +165,7 @@ impl Operation for Marks {
         let kernel = if self.shape == MarkShape::Ellipse { ellipses } else { quads };
         let row = |y: i64, outs: &mut Outputs<'_>, Room { place, distance, random }: &mut Room| {
             let v = cx.domain.v(y);
-            distance.fill(-1e6);
+            distance.fill(-self.farthest);
             random.fill(0.0);
             for side in &series.sides {
                 find(series, side, v, ins.row(DU, y), ins.row(DV, y), place);
@@ -230,6 +238,21 @@ mod tests {
         for y in 0..64 {
             for x in 0..64 {
                 assert!((p.at(x, y) - p.at(63 - x, y)).abs() < 1e-3);
+            }
+        }
+    }
+
+    #[test]
+    fn distances_end_at_the_farthest_and_are_the_same_before() {
+        let domain = Domain::square(97);
+        for shape in [MarkShape::Quad, MarkShape::Ellipse] {
+            let all = Marks { shape, reach: 0.2, length: 0.3, sides: Sides::Both, ..Marks::default() };
+            let near = Marks { farthest: 3.0, ..all.clone() };
+            let run = |marks: &Marks| run_node(marks, &domain, 1, &[], &Default::default(), 0).remove(0);
+            let (all, near) = (run(&all), run(&near));
+            assert!(all.data().iter().any(|d| *d < -10.0) && all.data().iter().any(|d| *d > 0.0));
+            for (a, n) in all.data().iter().zip(near.data()) {
+                assert_eq!(*n, a.max(-3.0));
             }
         }
     }

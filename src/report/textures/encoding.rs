@@ -1,19 +1,22 @@
 //! What integers lose of a map, and the time that they take in a file.
 
+use std::io::Cursor;
 use std::time::Instant;
+
+use half::f16;
 
 use super::difference::{Difference, Texels};
 use super::resample::averaged;
 use super::{Problem, Row};
 use crate::base::MapKind;
 use crate::eval::MapPlanes;
-use crate::io::{PngCompression, encode_png};
+use crate::io::{ExrOptions, ExrSample, PngCompression, encode_exr, encode_png};
 use crate::maps::{Depth, EncodeOptions, MapImage, Quantiser};
 
 /// Texels of a side of the squares whose means are compared: what a viewer further away sees.
 const FAR: usize = 8;
 
-/// Rows of one map: in 8 bits, in 8 bits with dither, and in 16.
+/// Rows of one map: in 8 bits, in 8 bits with dither, in 16, and as half floats.
 pub(super) fn rows(kind: MapKind, planes: &MapPlanes, rounds: usize) -> Result<Vec<Row>, Problem> {
     let truth = Texels::of(kind, planes);
     let image = MapImage::of(kind, planes.clone());
@@ -52,7 +55,39 @@ pub(super) fn rows(kind: MapKind, planes: &MapPlanes, rounds: usize) -> Result<V
         ms: Some(exact_ms),
         exact_ms: None,
     });
+    // Ids are 32-bit floats always.
+    if kind != MapKind::ScaleId {
+        let as_exr = |sample| time_exr(&image, sample, rounds);
+        rows.push(Row {
+            group: "encoding",
+            shortcut: "half floats, OpenEXR".into(),
+            truth: "32-bit floats, OpenEXR".into(),
+            map: Some((kind, planes.range)),
+            difference: Difference::between(&halved(kind, planes), &truth),
+            ms: Some(as_exr(ExrSample::Half)?),
+            exact_ms: Some(as_exr(ExrSample::Float)?),
+        });
+    }
     Ok(rows)
+}
+
+/// A map whose values are rounded to half floats.
+fn halved(kind: MapKind, planes: &MapPlanes) -> Texels {
+    let half = |v: &f32| f64::from(f16::from_f32(*v));
+    let channels = planes.planes.iter().map(|plane| plane.data().iter().map(half).collect()).collect();
+    Texels { kind, width: planes.planes[0].width(), channels }
+}
+
+/// The fastest of so many OpenEXR files of a map that go nowhere, ms.
+fn time_exr(image: &MapImage, sample: ExrSample, rounds: usize) -> Result<f64, Problem> {
+    let options = ExrOptions { samples: [(image.kind, sample)].into(), ..ExrOptions::default() };
+    let mut best = f64::INFINITY;
+    for _ in 0..rounds.max(1) {
+        let start = Instant::now();
+        encode_exr(image, &options, Cursor::new(Vec::new()))?;
+        best = best.min(start.elapsed().as_secs_f64() * 1e3);
+    }
+    Ok(best)
 }
 
 /// The fastest of so many PNG files of a map that go nowhere, ms.
@@ -112,6 +147,11 @@ mod tests {
         }
         assert!(of("8 bits with dither").rms > 1.2 * of("8 bits").rms);
         near(of("8 bits, means of 8 x 8").rms, of("8 bits").rms / 8.0, 0.05);
+        // Between 1 and 2 halves are 2^-10 apart, below as much closer as numbers are smaller: at 1/2^k to 2/2^k by 2^-k.
+        let half = of("half floats, OpenEXR");
+        near(half.max, 0.5 / 1024.0, 0.02);
+        let step_2: f64 = (0..12).map(|k| 0.5f64.powi(k + 1) * 0.25f64.powi(k)).sum();
+        near(half.rms, (step_2 / 12.0).sqrt() / 1024.0, 0.02);
         // A flat map shows what dither is for: without it the mean is off by as much as each texel.
         let flat = MapPlanes { planes: vec![Plane::filled(64, 64, 100.3 / 255.0)], range: [0.0, 1.0] };
         let rows = super::rows(MapKind::Roughness, &flat, 1).expect("integers");

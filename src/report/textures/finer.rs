@@ -106,6 +106,9 @@ impl Node for Instead {
     fn forwards(&self) -> Option<usize> {
         self.node.forwards()
     }
+    fn overwrites(&self) -> Option<usize> {
+        None
+    }
     fn files(&self) -> Vec<&str> {
         self.node.files()
     }

@@ -1,5 +1,7 @@
 //! Where on the tile each texel of a row is evaluated.
 
+use std::ops::Range;
+
 use crate::base::{Domain, num};
 use crate::multiversion;
 use crate::node::Inputs;
@@ -41,24 +43,53 @@ impl Coords {
         }
     }
 
-    /// u of every texel, in [0, 1].
-    pub(in crate::node) fn us(&self) -> &[f32] {
-        &self.us
+    /// All texels of the row.
+    pub(in crate::node) fn all(&self) -> Part<'_> {
+        self.part(0..self.us.len())
     }
 
-    /// The offset around the body, where it is a constant: rows of the same one have the same `us`.
+    /// Some texels of the row.
+    pub(in crate::node) fn part(&self, texels: Range<usize>) -> Part<'_> {
+        Part { row: self, texels }
+    }
+}
+
+/// Neighbouring texels of a row.
+#[derive(Clone, Debug)]
+pub(in crate::node) struct Part<'a> {
+    row: &'a Coords,
+    texels: Range<usize>,
+}
+
+impl<'a> Part<'a> {
+    /// Which texels of the row.
+    pub(in crate::node) fn texels(&self) -> Range<usize> {
+        self.texels.clone()
+    }
+
+    /// u of every texel, in [0, 1].
+    pub(in crate::node) fn us(&self) -> &'a [f32] {
+        &self.row.us[self.texels()]
+    }
+
+    /// u of the whole row's texels.
+    pub(in crate::node) fn row_us(&self) -> &'a [f32] {
+        &self.row.us
+    }
+
+    /// The offset around the body, where it is a constant: rows of the same one have the same `row_us`.
     pub(in crate::node) fn du(&self) -> Option<f32> {
-        self.du
+        self.row.du
     }
 
     /// v of every texel, in [0, 1].
-    pub(in crate::node) fn vs(&self) -> &[f32] {
-        &self.vs
+    pub(in crate::node) fn vs(&self) -> &'a [f32] {
+        &self.row.vs[self.texels()]
     }
 
     /// v of the whole row, where it is one.
     pub(in crate::node) fn row_v(&self) -> Option<f32> {
-        self.row_v
+        self.row.row_v
     }
 }
 

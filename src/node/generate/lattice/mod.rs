@@ -13,7 +13,7 @@ mod simplex;
 mod square;
 mod worley;
 
-pub(in crate::node) use coords::{Coords, columns};
+pub(in crate::node) use coords::{Coords, Part, columns};
 pub(super) use perlin::{Perlin, PerlinRow};
 pub(super) use simplex::{Shear, simplex};
 pub(super) use square::{value, white};

@@ -6,7 +6,7 @@
 use std::sync::OnceLock;
 
 use super::square::{axis, bilinear, corners};
-use super::{Cells, Coords, fade};
+use super::{Cells, Part, fade};
 use crate::base::hash;
 use crate::multiversion;
 
@@ -35,6 +35,9 @@ pub(in super::super) struct PerlinRow {
     cells: Vec<u32>,
     /// Column of each texel's cell.
     columns: Vec<u32>,
+    /// Where the texel lies in it, and the fade of that.
+    x: Vec<f32>,
+    fade: Vec<f32>,
     /// Bits of each texel's cell.
     bits: Vec<u32>,
 }
@@ -45,35 +48,69 @@ impl Perlin {
         Self { cells, table: OnceLock::new() }
     }
 
-    /// The noise along a row of texels. `kept` belongs to this noise and the columns of this `at`.
-    pub(in super::super) fn sample(&self, at: &Coords, kept: &mut PerlinRow, out: &mut [f32]) {
+    /// Add `amp (0.5 + 0.5 n)` for the noise n at some texels of a row. `kept` as in [`Perlin::sample`].
+    pub(in super::super) fn add(
+        &self,
+        at: &Part<'_>,
+        kept: &mut PerlinRow,
+        amp: f32,
+        noise: &mut [f32],
+        out: &mut [f32],
+    ) {
+        if let Some(y) = self.along(at, kept) {
+            let (x, fade, bits) = kept.at(at);
+            add_along_row(x, fade, bits, y, amp, out);
+        } else {
+            self.sample(at, kept, noise);
+            add(noise, amp, out);
+        }
+    }
+
+    /// The noise at some texels of a row. `kept` belongs to this noise and the columns of this row.
+    pub(in super::super) fn sample(&self, at: &Part<'_>, kept: &mut PerlinRow, out: &mut [f32]) {
         let cells = self.cells;
-        let (columns, rows) = (cells.u as usize, cells.v as usize);
+        if let Some(y) = self.along(at, kept) {
+            let (x, fade, bits) = kept.at(at);
+            return along_row(x, fade, bits, y, out);
+        }
         match at.row_v() {
-            // With more cells than texels, texels are hashed faster than cells.
-            Some(v) if at.du().is_some() && columns <= out.len() => {
-                let (_, t) = cells.at(0.0, v);
-                let (row, _, y) = axis(t, cells.v);
-                kept.set(at, cells, row);
-                along_row(at.us(), &kept.bits, y, cells, out);
-            }
             Some(v) => hashed_row(at.us(), v, cells, out),
-            None if columns * rows <= TABLE => {
+            None if cells.u as usize * cells.v as usize <= TABLE => {
                 let table = self.table.get_or_init(|| table(cells));
                 anywhere(at.us(), at.vs(), table, cells, out);
             }
             None => hashed(at.us(), at.vs(), cells, out),
         }
     }
+
+    /// Prepare for a row that lies in one row of cells; returns how far it is from their first line. `None` for other
+    /// rows, and where there are more cells than texels, which are hashed faster than cells.
+    fn along(&self, at: &Part<'_>, kept: &mut PerlinRow) -> Option<f32> {
+        let v = at.row_v()?;
+        if at.du().is_none() || self.cells.u as usize > at.row_us().len() {
+            return None;
+        }
+        let (_, t) = self.cells.at(0.0, v);
+        let (row, _, y) = axis(t, self.cells.v);
+        kept.set(at, self.cells, row);
+        Some(y)
+    }
 }
 
 impl PerlinRow {
-    fn set(&mut self, at: &Coords, cells: Cells, row: u32) {
+    /// Of some texels: where they lie in their cells, the fade of that, and the cells' bits.
+    fn at(&self, at: &Part<'_>) -> (&[f32], &[f32], &[u32]) {
+        (&self.x[at.texels()], &self.fade[at.texels()], &self.bits[at.texels()])
+    }
+
+    fn set(&mut self, at: &Part<'_>, cells: Cells, row: u32) {
         if self.du != at.du() {
             self.cells.resize((cells.u as usize).next_power_of_two(), 0);
-            self.columns.resize(at.us().len(), 0);
-            self.bits.resize(at.us().len(), 0);
-            find_columns(at.us(), cells, &mut self.columns);
+            self.columns.resize(at.row_us().len(), 0);
+            self.bits.resize(at.row_us().len(), 0);
+            self.x.resize(at.row_us().len(), 0.0);
+            self.fade.resize(at.row_us().len(), 0.0);
+            find_columns(at.row_us(), cells, &mut self.columns, &mut self.x, &mut self.fade);
             (self.du, self.row) = (at.du(), None);
         }
         if self.row == Some(row) {
@@ -111,8 +148,11 @@ multiversion! {
 }
 
 multiversion! {
-    fn find_columns(us: &[f32], cells: Cells, columns: &mut [u32]) {
-        for (c, u) in columns.iter_mut().zip(us) { *c = axis(cells.at(*u, 0.0).0, cells.u).0; }
+    fn find_columns(us: &[f32], cells: Cells, columns: &mut [u32], xs: &mut [f32], fades: &mut [f32]) {
+        for (((c, x), f), u) in columns.iter_mut().zip(xs).zip(fades).zip(us) {
+            (*c, _, *x) = axis(cells.at(*u, 0.0).0, cells.u);
+            *f = fade(*x);
+        }
     }
 }
 
@@ -134,12 +174,12 @@ fn slope(h: u32, x: f32, y: f32) -> f32 {
     flip(x, h) + flip(y, h >> 1)
 }
 
-/// The noise at (`x`, `y`) in a cell, from the bits of its corners.
+/// The noise at (`x`, `y`) in a cell, from the bits of its corners and the fades of both.
 #[inline(always)]
-fn in_cell(h: [u32; 4], x: f32, y: f32) -> f32 {
+fn in_cell(h: [u32; 4], [x, y]: [f32; 2], fades: [f32; 2]) -> f32 {
     let g =
         [slope(h[0], x, y), slope(h[1], x - 1.0, y), slope(h[2], x, y - 1.0), slope(h[3], x - 1.0, y - 1.0)];
-    bilinear(g, fade(x), fade(y))
+    bilinear(g, fades[0], fades[1])
 }
 
 /// Bits of the corners 00, 10, 01, 11 from those of the cell.
@@ -153,17 +193,39 @@ fn hashed_at(u: f32, v: f32, cells: Cells) -> f32 {
     let (s, t) = cells.at(u, v);
     let (i0, i1, x) = axis(s, cells.u);
     let (j0, j1, y) = axis(t, cells.v);
-    in_cell(corners(cells.seed, (i0, i1), (j0, j1)), x, y)
+    in_cell(corners(cells.seed, (i0, i1), (j0, j1)), [x, y], [fade(x), fade(y)])
 }
 
 multiversion! {
     /// Texels whose cells' bits are known, `y` from the cells' first line.
-    fn along_row(us: &[f32], bits: &[u32], y: f32, cells: Cells, out: &mut [f32]) {
-        for ((o, u), b) in out.iter_mut().zip(us).zip(bits) {
-            let (_, _, x) = axis(cells.at(*u, 0.0).0, cells.u);
-            *o = in_cell(corner_bits(*b), x, y);
+    fn along_row(xs: &[f32], fades: &[f32], bits: &[u32], y: f32, out: &mut [f32]) {
+        let fade_y = fade(y);
+        for (((o, x), f), b) in out.iter_mut().zip(xs).zip(fades).zip(bits) {
+            *o = in_cell(corner_bits(*b), [*x, y], [*f, fade_y]);
         }
     }
+}
+
+multiversion! {
+    /// The same, added to what is there.
+    fn add_along_row(xs: &[f32], fades: &[f32], bits: &[u32], y: f32, amp: f32, out: &mut [f32]) {
+        let fade_y = fade(y);
+        for (((o, x), f), b) in out.iter_mut().zip(xs).zip(fades).zip(bits) {
+            *o += amp * positive(in_cell(corner_bits(*b), [*x, y], [*f, fade_y]));
+        }
+    }
+}
+
+multiversion! {
+    fn add(noise: &[f32], amp: f32, out: &mut [f32]) {
+        for (o, n) in out.iter_mut().zip(noise) { *o += amp * positive(*n); }
+    }
+}
+
+/// Signed noise in [0, 1].
+#[inline(always)]
+fn positive(n: f32) -> f32 {
+    0.5 + 0.5 * n
 }
 
 multiversion! {
@@ -172,7 +234,7 @@ multiversion! {
             let (s, t) = cells.at(*u, *v);
             let ((i, _, x), (j, _, y)) = (axis(s, cells.u), axis(t, cells.v));
             let cell = table[(j * cells.u + i) as usize % TABLE];
-            *o = in_cell(corner_bits(cell), x, y);
+            *o = in_cell(corner_bits(cell), [x, y], [fade(x), fade(y)]);
         }
     }
 }

@@ -5,7 +5,7 @@
 //! shear has moved the lattice by the whole number k, so any counts tile. For even `cells_v` the triangles are
 //! isosceles with sides 1, 1.118, 1.118; for odd counts the shear is (n +- 1) / 2n (for n = 1 they are right-angled).
 
-use super::{Cells, Coords, floor, to_u32};
+use super::{Cells, Part, floor, to_u32};
 use crate::base::hash;
 use crate::multiversion;
 
@@ -98,7 +98,7 @@ fn simplex_at(u: f32, v: f32, cells: Cells, shear: Shear) -> f32 {
 }
 
 /// Simplex-type noise, in [-1, 1], 0 at lattice points. `shear` is `Shear::new(cells.v)`.
-pub(in super::super) fn simplex(at: &Coords, cells: Cells, shear: Shear, out: &mut [f32]) {
+pub(in super::super) fn simplex(at: &Part<'_>, cells: Cells, shear: Shear, out: &mut [f32]) {
     match at.row_v() {
         Some(v) => row(at.us(), v, cells, shear, out),
         None => free(at.us(), at.vs(), cells, shear, out),

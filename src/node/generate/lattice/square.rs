@@ -1,6 +1,6 @@
 //! The square lattice, and noise of values on it: value noise, and white noise of cells.
 
-use super::{Cells, Coords, fade, floor, to_u32};
+use super::{Cells, Part, fade, floor, to_u32};
 use crate::base::{hash, num};
 use crate::multiversion;
 
@@ -61,7 +61,7 @@ fn white_at(u: f32, v: f32, cells: Cells) -> f32 {
 macro_rules! row_kernel {
     ($(#[$doc:meta])* $name:ident = $at:ident) => {
         $(#[$doc])*
-        pub(in super::super) fn $name(at: &Coords, cells: Cells, out: &mut [f32]) {
+        pub(in super::super) fn $name(at: &Part<'_>, cells: Cells, out: &mut [f32]) {
             multiversion! {
                 fn row(us: &[f32], v: f32, cells: Cells, out: &mut [f32]) {
                     for (o, u) in out.iter_mut().zip(us) { *o = $at(*u, v, cells); }

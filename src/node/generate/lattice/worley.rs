@@ -1,6 +1,6 @@
 //! Cellular noise: distances to the two nearest of one random point per cell.
 
-use super::{Cells, Coords, floor, to_u32};
+use super::{Cells, Part, floor, to_u32};
 use crate::base::hash;
 use crate::multiversion;
 
@@ -287,9 +287,15 @@ const WIDE: usize = 24;
 ///
 /// `jitter` in [0, 1]: 0 puts every point at its cell's centre, 1 anywhere in the cell.
 /// Source: Steven Worley, "A Cellular Texture Basis Function" (1996), with one point per cell.
-pub(in super::super) fn worley(at: &Coords, cells: Cells, metric: Metric, jitter: f32, out: &mut Bands<'_>) {
+pub(in super::super) fn worley(
+    at: &Part<'_>,
+    cells: Cells,
+    metric: Metric,
+    jitter: f32,
+    out: &mut Bands<'_>,
+) {
     match at.row_v() {
-        Some(v) if cells.u as usize * WIDE <= at.us().len() => {
+        Some(v) if cells.u as usize * WIDE <= at.row_us().len() => {
             along_row(at.us(), v, cells, metric, jitter, out)
         }
         _ => anywhere(at.us(), at.vs(), cells, metric, jitter, out),
