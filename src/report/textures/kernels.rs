@@ -123,7 +123,12 @@ pub(super) fn of<N: Number>(step: &Step) -> Option<Kernel<N>> {
             }
             let octaves = octaves(&fractal, seed);
             Box::new(move |ins| {
-                ins.map(|x, y| [fbm(&fractal, &octaves, ins.at(0, x, y), ins.place(1, x, y))])
+                let (above, below) = (N::new(fractal.above.into()), N::new(fractal.below.into()));
+                ins.map(|x, y| {
+                    let by = ins.at(1, x, y);
+                    let noise = || fbm(&fractal, &octaves, ins.at(0, x, y), ins.place(2, x, y));
+                    [if above < by && by < below { noise() } else { N::new(0.5) }]
+                })
             })
         }
         "oklab_jitter" => {
