@@ -238,6 +238,7 @@ impl Node for Shelved {
     fn overwrites(&self) -> Option<usize> {
         None
     }
+
     fn files(&self) -> Vec<&str> {
         Vec::new()
     }

@@ -10,7 +10,7 @@ use wgpu::util::DeviceExt;
 use super::program::Slot;
 use super::slots::slots;
 use super::target::{self, read};
-use super::{Gpu, PreviewError, slots, textures};
+use super::{Gpu, PreviewError, textures, whole};
 use crate::scene::tone::ToneMap;
 
 /// What is done to linear light.
@@ -237,9 +237,7 @@ impl Passes<'_> {
             color_attachments: &[Some(target::onto(onto, None, wgpu::StoreOp::Store))],
             ..Default::default()
         });
-        pass.set_pipeline(pipeline);
-        pass.set_bind_group(0, &group, &[]);
-        pass.draw(0..3, 0..1);
+        whole::draw(&mut pass, pipeline, &[&group]);
     }
 }
 
@@ -255,33 +253,7 @@ fn pipeline(
         label: Some("development"),
         entries: described,
     });
-    let groups = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-        label: Some("development"),
-        bind_group_layouts: &[Some(&layout)],
-        immediate_size: 0,
-    });
-    let module = slots::module(gpu, "development", files, "");
-    let pipeline = gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label: Some("development"),
-        layout: Some(&groups),
-        vertex: wgpu::VertexState {
-            module: &module,
-            entry_point: Some("whole"),
-            compilation_options: Default::default(),
-            buffers: &[],
-        },
-        primitive: wgpu::PrimitiveState::default(),
-        depth_stencil: None,
-        multisample: Default::default(),
-        fragment: Some(wgpu::FragmentState {
-            module: &module,
-            entry_point: Some(entry),
-            compilation_options: Default::default(),
-            targets: &[Some(format.into())],
-        }),
-        multiview_mask: None,
-        cache: None,
-    });
+    let pipeline = whole::pipeline(gpu, "development", (files, entry), &[&layout], format, &[]);
     (layout, pipeline)
 }
 

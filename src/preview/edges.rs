@@ -6,7 +6,7 @@ use glam::Vec3;
 use super::mesh::{self, DeviceMesh};
 use super::program::Slot;
 use super::target::{self, Target};
-use super::{Gpu, slots, textures};
+use super::{Gpu, slots, textures, whole};
 
 /// Two passes: depths of samples, and the picture. See edges.wgsl.
 #[derive(Debug)]
@@ -36,18 +36,16 @@ impl Edges {
                 textures::entry(3, wgpu::BindingType::Sampler(wgpu::SamplerBindingType::NonFiltering)),
             ],
         });
-        let groups = |group| {
-            gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-                label: Some("edges"),
-                bind_group_layouts: &[Some(group)],
-                immediate_size: 0,
-            })
-        };
+        let objects = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: Some("depths of samples"),
+            bind_group_layouts: &[Some(frame)],
+            immediate_size: 0,
+        });
         let place = slots::module(gpu, "depth", &slots::slots!["frame", "depth"], "");
         let depths = [false, true].map(|hides_backs| {
             gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
                 label: Some("depths of samples"),
-                layout: Some(&groups(frame)),
+                layout: Some(&objects),
                 vertex: wgpu::VertexState {
                     module: &place,
                     entry_point: Some("place_depth"),
@@ -62,28 +60,8 @@ impl Edges {
                 cache: None,
             })
         });
-        let module = slots::module(gpu, "edges", &slots::slots!["edges"], "");
-        let picture = gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-            label: Some("edges"),
-            layout: Some(&groups(&layout)),
-            vertex: wgpu::VertexState {
-                module: &module,
-                entry_point: Some("whole"),
-                compilation_options: Default::default(),
-                buffers: &[],
-            },
-            primitive: wgpu::PrimitiveState::default(),
-            depth_stencil: None,
-            multisample: Default::default(),
-            fragment: Some(wgpu::FragmentState {
-                module: &module,
-                entry_point: Some("smoothed"),
-                compilation_options: Default::default(),
-                targets: &[Some(target::FORMAT.into())],
-            }),
-            multiview_mask: None,
-            cache: None,
-        });
+        let file = (&slots::slots!["edges"][..], "smoothed");
+        let picture = whole::pipeline(gpu, "edges", file, &[&layout], target::FORMAT, &[]);
         let sampler = gpu.device.create_sampler(&wgpu::SamplerDescriptor::default());
         Self { depths, picture, layout, sampler }
     }
@@ -113,8 +91,6 @@ impl Edges {
     ) {
         let views = [&target.color, &target.depth, samples].map(wgpu::BindingResource::TextureView);
         let bound = views.into_iter().chain([wgpu::BindingResource::Sampler(&self.sampler)]);
-        pass.set_pipeline(&self.picture);
-        pass.set_bind_group(0, &textures::group(gpu, "edges", &self.layout, bound), &[]);
-        pass.draw(0..3, 0..1);
+        whole::draw(pass, &self.picture, &[&textures::group(gpu, "edges", &self.layout, bound)]);
     }
 }

@@ -46,6 +46,7 @@ mod slots;
 mod target;
 mod textures;
 mod timing;
+mod whole;
 
 pub use develop::Development;
 pub use device::Gpu;

@@ -6,7 +6,7 @@ use glam::Vec3;
 use super::mesh::{self, DeviceMesh};
 use super::program::Slot;
 use super::target::{self, Shading, Target};
-use super::{Gpu, slots, textures};
+use super::{Gpu, slots, textures, whole};
 use crate::scene::Scene;
 
 /// Normals; and a direction of the opening and its share.
@@ -70,11 +70,14 @@ impl Occlusion {
         let read = layout("depths", &[depth, color]);
         let (slices, floor) = (f64::from(slices.max(1)), f64::from(u8::from(floor)));
         let constants = [("SLICES", slices), ("STEPS", f64::from(STEPS)), ("FLOOR", floor)];
-        let search =
-            pipeline(gpu, &slots::slots!["frame", "occlusion"], "search", &[frame, &read], &constants);
+        let pipeline =
+            |file: (&[Slot], &str), groups: &[&wgpu::BindGroupLayout], constants: &[(&str, f64)]| {
+                whole::pipeline(gpu, "occlusion", file, groups, FORMAT, constants)
+            };
+        let search = pipeline((&slots::slots!["frame", "occlusion"], "search"), &[frame, &read], &constants);
         let mean = (pictures < ENOUGH).then(|| {
             let read = layout("openings of neighbours", &[depth, color]);
-            (pipeline(gpu, &slots::slots!["occlusion_mean"], "average", &[&read], &[]), read)
+            (pipeline((&slots::slots!["occlusion_mean"], "average"), &[&read], &[]), read)
         });
         Self {
             layout: layout("openings", &[color]),
@@ -157,11 +160,11 @@ impl Occlusion {
         let (search, layout) = &self.search;
         let normals = wgpu::BindingResource::TextureView(&views.normals);
         let group = textures::group(gpu, "depths", layout, [depths.clone(), normals]);
-        whole(encoder, &views.found, search, &[frame, &group], times(1));
+        over(encoder, &views.found, search, &[frame, &group], times(1));
         if let Some(((mean, layout), averaged)) = self.mean.as_ref().zip(views.averaged.as_ref()) {
             let found = wgpu::BindingResource::TextureView(&views.found);
             let group = textures::group(gpu, "openings of neighbours", layout, [depths, found]);
-            whole(encoder, averaged, mean, &[&group], times(2));
+            over(encoder, averaged, mean, &[&group], times(2));
         }
     }
 
@@ -173,8 +176,8 @@ impl Occlusion {
     }
 }
 
-/// A pass over all pixels of a texture.
-fn whole(
+/// A pass over all pixels.
+fn over(
     encoder: &mut wgpu::CommandEncoder,
     onto: &wgpu::TextureView,
     pipeline: &wgpu::RenderPipeline,
@@ -187,47 +190,7 @@ fn whole(
         timestamp_writes: times,
         ..Default::default()
     });
-    pass.set_pipeline(pipeline);
-    (0..).zip(groups).for_each(|(i, group)| pass.set_bind_group(i, *group, &[]));
-    pass.draw(0..3, 0..1);
-}
-
-/// Draws such a pass.
-fn pipeline(
-    gpu: &Gpu,
-    files: &[Slot],
-    entry: &str,
-    groups: &[&wgpu::BindGroupLayout],
-    constants: &[(&str, f64)],
-) -> wgpu::RenderPipeline {
-    let module = slots::module(gpu, "occlusion", files, "");
-    let groups: Vec<_> = groups.iter().map(|g| Some(*g)).collect();
-    let layout = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-        label: Some("occlusion"),
-        bind_group_layouts: &groups,
-        immediate_size: 0,
-    });
-    gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label: Some("occlusion"),
-        layout: Some(&layout),
-        vertex: wgpu::VertexState {
-            module: &module,
-            entry_point: Some("whole"),
-            compilation_options: Default::default(),
-            buffers: &[],
-        },
-        primitive: wgpu::PrimitiveState::default(),
-        depth_stencil: None,
-        multisample: Default::default(),
-        fragment: Some(wgpu::FragmentState {
-            module: &module,
-            entry_point: Some(entry),
-            compilation_options: wgpu::PipelineCompilationOptions { constants, ..Default::default() },
-            targets: &[Some(FORMAT.into())],
-        }),
-        multiview_mask: None,
-        cache: None,
-    })
+    whole::draw(&mut pass, pipeline, groups);
 }
 
 /// Draws depths and normals of pixels.

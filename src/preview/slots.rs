@@ -214,6 +214,7 @@ mod tests {
             vec![frame, image, background],
             vec![frame, lamp],
             vec![shadow],
+            slots!["whole"].to_vec(),
         ]);
         all
     }

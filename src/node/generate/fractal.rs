@@ -269,13 +269,12 @@ impl Fractal {
         room: &mut Room,
     ) {
         let by = ins.row(WHERE, y);
+        let everywhere = ins.constant(WHERE).is_some_and(|v| self.above < v && v < self.below);
         room.wanted.clear();
-        match ins.constant(WHERE) {
-            Some(v) if self.above < v && v < self.below => room.wanted.push(0..out.len()),
-            Some(_) => {}
-            None => find(by, self.above, self.below, &mut room.wanted),
-        }
-        if ins.constant(WHERE).is_none() || room.wanted.is_empty() {
+        if everywhere {
+            room.wanted.push(0..out.len());
+        } else {
+            find(by, self.above, self.below, &mut room.wanted);
             out.fill(ELSEWHERE);
         }
         if room.wanted.is_empty() {
@@ -286,7 +285,7 @@ impl Fractal {
         for texels in &wanted {
             let out = &mut out[texels.clone()];
             self.texels(octaves, ins, y, texels.clone(), out, room);
-            if ins.constant(WHERE).is_none() {
+            if !everywhere {
                 choose(&by[texels.clone()], self.above, self.below, out);
             }
         }
@@ -316,8 +315,10 @@ impl Fractal {
             sums.begin(out.len());
         }
         for (octave, kept) in octaves.iter().zip(kept) {
-            if let (Octave::Perlin(perlin), Sum::Fbm, Some(gain)) = (octave, self.sum, gain) {
-                perlin.add(&at, kept, amp, noise, out);
+            // The usual noise in one pass over the row.
+            if let (Octave::Perlin(perlin), Sum::Fbm, Some(gain)) = (octave, self.sum, gain)
+                && perlin.add(&at, kept, amp, out)
+            {
                 total += amp;
                 amp *= gain;
                 continue;

@@ -4,11 +4,6 @@
 
 const BRIGHTEST = 60000.0;
 
-@vertex
-fn whole(@builtin(vertex_index) i: u32) -> @builtin(position) vec4f {
-    return vec4f(vec2f(f32(i & 1u), f32(i >> 1u)) * 4.0 - 1.0, 0.0, 1.0);
-}
-
 @fragment
 fn halve(@builtin(position) clip: vec4f) -> @location(0) vec4f {
     let first = 2 * vec2i(clip.xy) - 1;

@@ -6,11 +6,6 @@
 
 const BRIGHTEST = 1e9;
 
-@vertex
-fn whole(@builtin(vertex_index) i: u32) -> @builtin(position) vec4f {
-    return vec4f(vec2f(f32(i & 1u), f32(i >> 1u)) * 4.0 - 1.0, 0.0, 1.0);
-}
-
 @fragment
 fn developed(@builtin(position) clip: vec4f) -> @location(0) vec4f {
     let color = textureLoad(light, vec2i(clip.xy), 0).rgb * exp2(exposure.x + metered());

@@ -10,11 +10,6 @@
 // Distances apart by less, as a share of them, are of one surface.
 const SAME = 0.01;
 
-@vertex
-fn whole(@builtin(vertex_index) i: u32) -> @builtin(position) vec4f {
-    return vec4f(vec2f(f32(i & 1u), f32(i >> 1u)) * 4.0 - 1.0, 0.0, 1.0);
-}
-
 // Software adapters take all ways at once, so there is but one, with few reads.
 @fragment
 fn smoothed(@builtin(position) clip: vec4f) -> @location(0) vec4f {

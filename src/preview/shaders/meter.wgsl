@@ -2,11 +2,6 @@
 
 @group(0) @binding(0) var source: texture_2d<f32>;
 
-@vertex
-fn whole(@builtin(vertex_index) i: u32) -> @builtin(position) vec4f {
-    return vec4f(vec2f(f32(i & 1u), f32(i >> 1u)) * 4.0 - 1.0, 0.0, 1.0);
-}
-
 @fragment
 fn sum(@builtin(position) clip: vec4f) -> @location(0) vec4f {
     let first = 8 * vec2i(clip.xy);

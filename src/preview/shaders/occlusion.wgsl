@@ -23,11 +23,6 @@ const THICKNESS = 1.0;
 @group(1) @binding(0) var depths: texture_depth_2d;
 @group(1) @binding(1) var normals: texture_2d<f32>;
 
-@vertex
-fn whole(@builtin(vertex_index) i: u32) -> @builtin(position) vec4f {
-    return vec4f(vec2f(f32(i & 1u), f32(i >> 1u)) * 4.0 - 1.0, 0.0, 1.0);
-}
-
 // What a pixel shows: its place from the eye, and its depth, 0 where there is nothing.
 fn seen(at: vec2i) -> vec4f {
     let size = vec2f(textureDimensions(depths));

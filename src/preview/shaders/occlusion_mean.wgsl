@@ -6,11 +6,6 @@ const SAME = 0.03;
 @group(0) @binding(0) var depths: texture_depth_2d;
 @group(0) @binding(1) var found: texture_2d<f32>;
 
-@vertex
-fn whole(@builtin(vertex_index) i: u32) -> @builtin(position) vec4f {
-    return vec4f(vec2f(f32(i & 1u), f32(i >> 1u)) * 4.0 - 1.0, 0.0, 1.0);
-}
-
 @fragment
 fn average(@builtin(position) clip: vec4f) -> @location(0) vec4f {
     let at = vec2i(clip.xy);

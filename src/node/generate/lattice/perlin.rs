@@ -48,22 +48,19 @@ impl Perlin {
         Self { cells, table: OnceLock::new() }
     }
 
-    /// Add `amp (0.5 + 0.5 n)` for the noise n at some texels of a row. `kept` as in [`Perlin::sample`].
+    /// Add `amp (0.5 + 0.5 n)` for the noise n at some texels, `kept` as in [`Perlin::sample`], where their row lies in one row
+    /// of cells; else it does nothing, and says so.
     pub(in super::super) fn add(
         &self,
         at: &Part<'_>,
         kept: &mut PerlinRow,
         amp: f32,
-        noise: &mut [f32],
         out: &mut [f32],
-    ) {
-        if let Some(y) = self.along(at, kept) {
-            let (x, fade, bits) = kept.at(at);
-            add_along_row(x, fade, bits, y, amp, out);
-        } else {
-            self.sample(at, kept, noise);
-            add(noise, amp, out);
-        }
+    ) -> bool {
+        let Some(y) = self.along(at, kept) else { return false };
+        let (x, fade, bits) = kept.at(at);
+        add_along_row(x, fade, bits, y, amp, out);
+        true
     }
 
     /// The noise at some texels of a row. `kept` belongs to this noise and the columns of this row.
@@ -211,21 +208,9 @@ multiversion! {
     fn add_along_row(xs: &[f32], fades: &[f32], bits: &[u32], y: f32, amp: f32, out: &mut [f32]) {
         let fade_y = fade(y);
         for (((o, x), f), b) in out.iter_mut().zip(xs).zip(fades).zip(bits) {
-            *o += amp * positive(in_cell(corner_bits(*b), [*x, y], [*f, fade_y]));
+            *o += amp * (0.5 + 0.5 * in_cell(corner_bits(*b), [*x, y], [*f, fade_y]));
         }
     }
-}
-
-multiversion! {
-    fn add(noise: &[f32], amp: f32, out: &mut [f32]) {
-        for (o, n) in out.iter_mut().zip(noise) { *o += amp * positive(*n); }
-    }
-}
-
-/// Signed noise in [0, 1].
-#[inline(always)]
-fn positive(n: f32) -> f32 {
-    0.5 + 0.5 * n
 }
 
 multiversion! {
