@@ -117,9 +117,9 @@ impl LinearRgb {
 /// Source: Bjorn Ottosson, "A perceptual color space for image processing" (2020), revised matrices of 2021.
 #[inline(always)]
 pub fn linear_to_oklab([r, g, b]: [f32; 3]) -> [f32; 3] {
-    let l = cbrt(0.412_221_46 * r + 0.536_332_55 * g + 0.051_445_995 * b);
-    let m = cbrt(0.211_903_5 * r + 0.680_699_5 * g + 0.107_396_96 * b);
-    let s = cbrt(0.088_302_46 * r + 0.281_718_85 * g + 0.629_978_7 * b);
+    let l = num::cbrt(0.412_221_46 * r + 0.536_332_55 * g + 0.051_445_995 * b);
+    let m = num::cbrt(0.211_903_5 * r + 0.680_699_5 * g + 0.107_396_96 * b);
+    let s = num::cbrt(0.088_302_46 * r + 0.281_718_85 * g + 0.629_978_7 * b);
     [
         0.210_454_26 * l + 0.793_617_8 * m - 0.004_072_047 * s,
         1.977_998_5 * l - 2.428_592_2 * m + 0.450_593_7 * s,
@@ -139,13 +139,6 @@ pub fn oklab_to_linear([l, a, b]: [f32; 3]) -> [f32; 3] {
         -1.268_438 * l + 2.609_757_4 * m - 0.341_319_4 * s,
         -0.004_196_086_3 * l - 0.703_418_6 * m + 1.707_614_7 * s,
     ]
-}
-
-/// Cube root with the sign of x, by [`num::powf`].
-#[inline(always)]
-fn cbrt(x: f32) -> f32 {
-    let r = num::powf(x.abs(), 1.0 / 3.0);
-    if x < 0.0 { -r } else { r }
 }
 
 /// RGB in [0, 1] to hue (turns), saturation, lightness, each in [0, 1]. Greys have hue 0 and saturation 0.

@@ -177,6 +177,21 @@ pub fn powf(x: f32, p: f32) -> f32 {
     if p == 0.0 { 1.0 } else { y }
 }
 
+/// Cube root, with the sign of x, for |x| <= 1e30; maximum relative error 3e-7 for normal x, and 0 for 0.
+///
+/// From the bits of `1 / cbrt(x)`, to 4 %, by a step of fourth order and one of second order without a division.
+#[inline(always)]
+pub fn cbrt(x: f32) -> f32 {
+    let a = x.abs();
+    let y = f32::from_bits(0x54a2_1d2a - a.to_bits() / 3);
+    // How far a y^3 is from 1, and the series of (1 - e)^(-1/3).
+    let e = 1.0 - a * y * y * y;
+    let y = y + y * (e * (0.333_333_34 + e * (0.222_222_22 + e * 0.172_839_5)));
+    let e = 1.0 - a * y * y * y;
+    let y = y + y * (e * 0.333_333_34);
+    (a * y * y).copysign(x)
+}
+
 /// `e^x`; relative error below 1e-5 for |x| <= 20.
 #[inline(always)]
 pub fn exp(x: f32) -> f32 {
@@ -243,6 +258,17 @@ mod tests {
         assert_eq!(powf(0.0, 0.0), 1.0);
         assert_eq!(powf(0.0, 2.0), 0.0);
         assert!(exp2(1e30).is_finite() && exp2(-1e30) >= 0.0);
+    }
+
+    #[test]
+    fn cbrt_is_within_its_stated_error_of_std_f64() {
+        for x in grid(-126.0, 99.0).map(f32::exp2).chain(grid(1e-3, 1.0)) {
+            let e = f64::from(x).cbrt();
+            assert!((f64::from(cbrt(x)) / e - 1.0).abs() < 3e-7, "{x}: {}", cbrt(x));
+            assert_eq!(cbrt(-x), -cbrt(x));
+        }
+        assert_eq!(cbrt(0.0), 0.0);
+        assert!(cbrt(1e-45) < 1e-14);
     }
 
     #[test]

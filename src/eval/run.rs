@@ -123,9 +123,9 @@ pub(super) struct Runner<'a> {
     planes: Vec<Option<Plane>>,
     /// Of lanes that are made slab by slab.
     pub(super) windows: Vec<Option<Window>>,
-    pool: Vec<Vec<f32>>,
+    pub(super) pool: Vec<Vec<f32>>,
     /// Rows of scratch lanes that bands work in, kept from stage to stage.
-    scratch: Kept<Vec<Vec<f32>>>,
+    pub(super) scratch: Kept<Vec<Vec<f32>>>,
     prepared: Vec<Option<Prepared>>,
     /// Maps that are still to show each lane.
     shown_by: BTreeMap<usize, usize>,
@@ -318,7 +318,8 @@ impl<'a> Runner<'a> {
                 rest = after;
             }
         }
-        by_band.into_par_iter().zip(cuts).for_each_init(
+        // Band by band, or the last to get one would hold a quarter of them while the others wait.
+        by_band.into_par_iter().zip(cuts).with_max_len(1).for_each_init(
             || {
                 let mut scratch = self.scratch.borrow();
                 if scratch.len() < stage.scratch_slots {

@@ -1,8 +1,9 @@
 //! Write aside, then rename: a file is whole or absent.
 
 use std::fs::File;
-use std::io::{BufWriter, Seek, SeekFrom, Write as _};
+use std::io::{BufWriter, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use tempfile::NamedTempFile;
 
@@ -19,7 +20,7 @@ pub struct Aside {
     path: PathBuf,
     /// Its size.
     pub(super) bytes: u64,
-    /// BLAKE3 of what the file holds, read back from it.
+    /// BLAKE3 of what the file holds.
     pub(super) blake3: blake3::Hash,
 }
 
@@ -88,21 +89,46 @@ impl Aside {
 pub(super) struct OpenAside {
     temp: NamedTempFile,
     path: PathBuf,
+    hasher: Arc<Mutex<blake3::Hasher>>,
+}
+
+/// What an [`OpenAside`] is written by, from its start: what passes is hashed while it is at hand.
+#[derive(Debug)]
+pub(super) struct Handle {
+    file: File,
+    hasher: Arc<Mutex<blake3::Hasher>>,
+}
+
+impl Write for Handle {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        let written = self.file.write(bytes)?;
+        // Hashing does not panic.
+        self.hasher.lock().unwrap_or_else(PoisonError::into_inner).update(&bytes[..written]);
+        Ok(written)
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        self.file.flush()
+    }
 }
 
 impl OpenAside {
-    /// Begin to write `path` aside; the handle writes it from its start.
-    pub(super) fn new(path: PathBuf) -> Result<(Self, File), IoError> {
+    /// Begin to write `path` aside.
+    pub(super) fn new(path: PathBuf) -> Result<(Self, Handle), IoError> {
         let begun = || -> Result<_, Problem> {
             if path.is_dir() {
                 return Err(Problem::IsADirectory);
             }
             let temp = create(path.parent().unwrap_or(Path::new("")))?;
-            let handle = temp.as_file().try_clone()?;
-            Ok((temp, handle))
+            let file = temp.as_file().try_clone()?;
+            Ok((temp, file))
         };
+        let hasher = Arc::new(Mutex::new(blake3::Hasher::new()));
         match begun() {
-            Ok((temp, handle)) => Ok((Self { temp, path }, handle)),
+            Ok((temp, file)) => {
+                let handle = Handle { file, hasher: hasher.clone() };
+                Ok((Self { temp, path, hasher }, handle))
+            }
             Err(problem) => Err(problem.at(path)),
         }
     }
@@ -112,12 +138,11 @@ impl OpenAside {
         &self.path
     }
 
-    /// Hash it, now that all is written and the handle is closed.
-    pub(super) fn close(mut self, watched: Watched<'_>) -> Result<Aside, IoError> {
-        match watched.piece(Work::Write, || hash(self.temp.as_file_mut())) {
-            Ok((bytes, blake3)) => Ok(Aside { temp: self.temp, path: self.path, bytes, blake3 }),
-            Err(e) => Err(Problem::from(e).at(self.path)),
-        }
+    /// End it, now that all is written.
+    pub(super) fn close(self) -> Aside {
+        let Self { temp, path, hasher } = self;
+        let hasher = hasher.lock().unwrap_or_else(PoisonError::into_inner);
+        Aside { temp, path, bytes: hasher.count(), blake3: hasher.finalize() }
     }
 }
 

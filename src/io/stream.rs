@@ -1,11 +1,10 @@
 //! PNG files of a set whose maps come some rows at a time, all at once.
 
-use std::fs::File;
 use std::io::BufWriter;
 
 use rayon::prelude::*;
 
-use super::atomic::OpenAside;
+use super::atomic::{Handle, OpenAside};
 use super::png::{self, Stream};
 use super::write::{Output, SetWriter, Staged};
 use super::{IoError, Problem};
@@ -29,7 +28,7 @@ struct Part {
     head: MapHead,
     file: String,
     aside: OpenAside,
-    stream: Stream<BufWriter<File>>,
+    stream: Stream<BufWriter<Handle>>,
     row_bytes: usize,
 }
 
@@ -99,7 +98,7 @@ impl<'w, 'a> Parts<'w, 'a> {
             .collect()
     }
 
-    /// End all files, hash them, and compare every sample if that is asked for.
+    /// End all files, and compare every sample if that is asked for.
     ///
     /// # Errors
     /// If a file cannot be written, or does not read back as it was written.
@@ -107,9 +106,8 @@ impl<'w, 'a> Parts<'w, 'a> {
         let writer = self.writer;
         let finish = |part: Part| {
             let Part { head, file, aside, stream, row_bytes } = part;
-            let watched = Watched { name: &file, by: writer.watch };
             let (told, hashes) = stream.finish().map_err(|p| p.at(aside.path()))?;
-            let mut aside = aside.close(watched)?;
+            let mut aside = aside.close();
             if writer.options.verify {
                 let compression = writer.options.png;
                 aside = aside.verify(|file| png::verify_hashes(row_bytes, compression, &hashes, file))?;

@@ -4,6 +4,9 @@
 //! makes the file larger, because a match costs more than the short codes it stands for. Counting first and coding
 //! after makes the size of a block exact before it is written, so there is one buffer and no growth.
 
+mod packed;
+
+use self::packed::Packed;
 use crate::multiversion;
 
 /// Longest code: four of them and the rest of a byte fit in 64 bits, so that four symbols are written at once.
@@ -28,6 +31,7 @@ const META_ORDER: [usize; 19] = [16, 17, 18, 0, 8, 7, 9, 6, 10, 5, 11, 4, 12, 3,
 /// must, is room for the next time.
 pub(super) fn compress(bytes: &[u8], out: &mut Vec<u8>) -> usize {
     let mut bits = BitWriter { out, at: 0, bits: 0, count: 0 };
+    let mut packed = Packed::default();
     for block in bytes.chunks(BLOCK) {
         let counts = Counts::of(block);
         let codes = Codes::new(&counts);
@@ -38,8 +42,9 @@ pub(super) fn compress(bytes: &[u8], out: &mut Vec<u8>) -> usize {
             bits.reserve(size);
             bits.within(|bits| codes.tell(bits));
             let literals = codes.literals();
+            packed.set(block, &literals);
             bits.within(|bits| {
-                coded(block, &codes.symbols, &literals, bits);
+                coded(block, &codes.symbols, &literals, &packed, bits);
                 bits.put(codes.symbols[END]);
             });
         }
@@ -53,11 +58,8 @@ trait Tokens {
     /// The byte before, again so often: 3 to 258.
     fn repeat(&mut self, length: usize);
 
-    fn word(&mut self, word: &[u8; 8]) {
-        for &byte in word {
-            self.literal(byte);
-        }
-    }
+    /// The bytes from `8 i` on.
+    fn word(&mut self, i: usize, word: &[u8; 8]);
 
     #[inline(always)]
     fn zeros(&mut self, count: usize) {
@@ -80,9 +82,15 @@ multiversion! {
 
 multiversion! {
     /// Wider sets have shifts by a register that take one step instead of three.
-    fn coded(block: &[u8], codes: &[Code; SYMBOLS], literals: &[u32; 256], bits: &mut Bits<'_>) {
+    fn coded(
+        block: &[u8],
+        codes: &[Code; SYMBOLS],
+        literals: &[u32; 256],
+        packed: &Packed,
+        bits: &mut Bits<'_>,
+    ) {
         let mut own = Bits { out: &mut *bits.out, ..*bits };
-        tokens(block, &mut Coded { codes, literals, bits: &mut own });
+        tokens(block, &mut Coded { codes, literals, packed, bits: &mut own });
         (bits.at, bits.bits, bits.count) = (own.at, own.bits, own.count);
     }
 }
@@ -94,7 +102,7 @@ fn tokens(block: &[u8], to: &mut impl Tokens) {
     let mut i = 0;
     while i < words.len() {
         if u64::from_ne_bytes(words[i]) != 0 {
-            to.word(&words[i]);
+            to.word(i, &words[i]);
             i += 1;
             continue;
         }
@@ -102,7 +110,7 @@ fn tokens(block: &[u8], to: &mut impl Tokens) {
         if zeros >= RUN_WORDS {
             to.zeros(8 * zeros);
         } else {
-            (0..zeros).for_each(|_| to.word(&[0; 8]));
+            (i..i + zeros).for_each(|i| to.word(i, &[0; 8]));
         }
         i += zeros;
     }
@@ -144,7 +152,7 @@ impl Tokens for Counts {
     }
 
     #[inline(always)]
-    fn word(&mut self, word: &[u8; 8]) {
+    fn word(&mut self, _: usize, word: &[u8; 8]) {
         for (table, &byte) in self.literals.iter_mut().zip(word) {
             table[usize::from(byte)] += 1;
         }
@@ -360,6 +368,7 @@ struct Coded<'a, 'b> {
     codes: &'a [Code; SYMBOLS],
     /// Each literal's bits, and above them how many there are.
     literals: &'a [u32; 256],
+    packed: &'a Packed,
     bits: &'a mut Bits<'b>,
 }
 
@@ -370,7 +379,10 @@ impl Tokens for Coded<'_, '_> {
     }
 
     #[inline(always)]
-    fn word(&mut self, word: &[u8; 8]) {
+    fn word(&mut self, i: usize, word: &[u8; 8]) {
+        if let Some((bits, count)) = self.packed.word(i) {
+            return self.bits.put_bits(bits, count);
+        }
         for half in word.as_chunks::<4>().0 {
             let (mut bits, mut count) = (0, 0);
             for &byte in half {

@@ -1,5 +1,6 @@
 use super::*;
 use crate::base::hash;
+use crate::base::simd::{self, Level};
 use proptest::prelude::*;
 
 /// What another decoder makes of compressed bytes.
@@ -92,6 +93,29 @@ fn few_symbols_many_symbols_and_very_unequal_ones_come_back() {
     }
     check(&steep[steep.len() - 32_768..]);
     check(&steep);
+}
+
+#[test]
+fn every_simd_level_writes_the_same_bytes() {
+    // Small numbers and rare great ones, zeros alone and in runs, and an odd end: codes of 1 to 12 bits.
+    let byte = |i: u32| match hash::hash2(5, i / 40, 0) % 5 {
+        0 => 0,
+        _ => (hash::hash2(6, i, 0).leading_zeros() as u8).wrapping_mul(1 + (i % 7) as u8),
+    };
+    let bytes: Vec<u8> = (0..150_003).map(byte).collect();
+    let at = |level| {
+        simd::force(level);
+        let mut out = Vec::new();
+        let length = compress(&bytes, &mut out);
+        out.truncate(length);
+        out
+    };
+    let plain = at(Level::Baseline);
+    assert!(inflate(&plain, bytes.len()) == bytes);
+    for level in Level::ALL {
+        assert!(at(level) == plain, "{level:?}");
+    }
+    simd::force(Level::Avx512);
 }
 
 #[test]
