@@ -11,6 +11,7 @@ use super::progress::Progress;
 use super::render_scene::{MAP_SIZE, folder, screen, trace, wanted};
 use super::stage::{self, Skin, Source};
 use super::{generate, render, signal};
+use crate::base::MapKind;
 use crate::io;
 use crate::preview::{Gpu, Options, PreviewError, Renderer, enough_triangles};
 use crate::reference::{self, Settings, Stage, Transport};
@@ -72,10 +73,14 @@ pub(super) fn run(args: &Preview) -> Result<Exit, Failure> {
     progress.start("skin".into());
     let map_size = args.map_size.unwrap_or(MAP_SIZE);
     let source = Source { word: &args.skin, settings: &args.set.settings, seed: args.seed, size: map_size };
+    let mut maps = wanted(Stage::All, spec);
+    if args.parallax.is_some() && !maps.contains(&MapKind::Height) {
+        maps.push(MapKind::Height);
+    }
     // A driver takes a while to start: meanwhile the maps are made.
     let (gpu, skin) = std::thread::scope(|scope| {
         let gpu = (args.backend != BackendArg::Cpu).then(|| scope.spawn(|| Gpu::new(None)));
-        let skin = Skin::load(&source, &wanted(Stage::All, spec), stop, &progress, &pool);
+        let skin = Skin::load(&source, &maps, stop, &progress, &pool);
         let lost = |_| Err(PreviewError::Lost("the driver's thread ended".into()));
         (gpu.map(|gpu| gpu.join().unwrap_or_else(lost)), skin)
     });
@@ -130,6 +135,12 @@ pub(super) fn run(args: &Preview) -> Result<Exit, Failure> {
         let message = format!("the picture is without {name}: the shader has none yet");
         render::warning(&message, "`ophidian render`, or --backend cpu, draws it");
     }
+    if args.parallax.is_some() && !drawn.gpu {
+        render::warning(
+            "the picture is without parallax: the path tracer drew it",
+            "--displace moves the surface itself",
+        );
+    }
     if args.json || !args.quiet {
         let seconds = start.elapsed().as_secs_f64();
         report(args, &skin, spec, &drawn, Told { size, seconds, exposure, output: &args.output })?;
@@ -145,7 +156,8 @@ fn draw(gpu: &Gpu, scene: &Scene, size: [usize; 2], args: &Preview) -> Result<Dr
         Some(false) => 0,
         None => suited.occlusion_slices,
     };
-    let options = Options { samples: args.samples.unwrap_or(suited.samples), occlusion_slices, ..suited };
+    let (samples, parallax) = (args.samples.unwrap_or(suited.samples), args.parallax.unwrap_or(0.0));
+    let options = Options { samples, occlusion_slices, parallax, ..suited };
     let mut renderer = Renderer::new(gpu, scene, &options)?;
     let mut frames_ms = Vec::new();
     let mut frame = || {

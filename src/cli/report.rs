@@ -83,11 +83,14 @@ fn preview(
     progress: &Progress,
     watch: report::Watch<'_>,
 ) -> Result<report::Report, Failure> {
+    use crate::base::MapKind;
     use crate::preview::Gpu;
-    use crate::report::preview::{Case, report};
+    use crate::report::preview::{Case, Relief, report};
     use crate::scene::builtin::BUILTIN;
 
     const SKIN: &str = "lampropeltis_triangulum";
+    /// Times the height map.
+    const RELIEF: f32 = 2.0;
     let gpu = Gpu::new(None).map_err(|e| Failure::usage(e, "this report needs a graphics adapter"))?;
     let quick = effort == Effort::Quick;
     let (texels, triangles) = if quick { (128, 2000) } else { (1024, 40_000) };
@@ -95,30 +98,38 @@ fn preview(
     let pool = generate::pool(None)?;
     let skin = |word: &str, spec: &crate::scene::SceneSpec| {
         let source = Source { word, settings: &[], seed: None, size: SizeArg::Longer(texels) };
-        Skin::load(&source, &wanted(Stage::All, spec), signal::stop_flag(), progress, &pool)
+        let maps = [wanted(Stage::All, spec), vec![MapKind::Height]].concat();
+        Skin::load(&source, &maps, signal::stop_flag(), progress, &pool)
     };
-    let case = |scene: &str, skin: &Skin| -> Result<Case, Failure> {
-        let text = stage::text(scene, std::slice::from_ref(&triangles))?;
+    let case = |scene: &str, over: &[String], skin: &Skin| -> Result<Case, Failure> {
+        let over: Vec<String> = over.iter().chain([&triangles]).cloned().collect();
+        let text = stage::text(scene, &over)?;
         let (render, scene) = (&text.spec.render, stage::build(&text, skin, None)?);
         Ok(Case { skin: skin.name.clone(), scene, exposure_ev: render.exposure(&[]), tone: render.tone })
     };
     let coil = stage::text("coil", &[])?.spec;
     let first = skin(SKIN, &coil)?;
-    let mut cases = vec![case("coil", &first)?];
+    let mut cases = vec![case("coil", &[], &first)?];
     if !quick {
         for word in ["epicrates_cenchria", "xenopeltis_unicolor", "bitis_gabonica"] {
-            cases.push(case("coil", &skin(word, &coil)?)?);
+            cases.push(case("coil", &[], &skin(word, &coil)?)?);
         }
         for (scene, _) in BUILTIN.iter().filter(|(scene, _)| *scene != "coil") {
-            cases.push(case(scene, &first)?);
+            cases.push(case(scene, &[], &first)?);
         }
     }
-    let mut plain = case("thesis", &first)?;
+    // Once with its relief as triangles.
+    let relief = Relief {
+        amount: RELIEF,
+        flat: case("macro", &[], &first)?,
+        displaced: case("macro", &[format!("subject.displacement={RELIEF:?}")], &first)?,
+    };
+    let mut plain = case("thesis", &[], &first)?;
     plain.scene.materials.iter_mut().for_each(|material| material.maps = None);
     let size = args.size.map(|size| match size {
         SizeArg::Longer(n) => [n, (3 * n / 4).max(1)],
         SizeArg::Exact(width, height) => [width, height],
     });
-    pool.install(|| report(&gpu, &cases, &plain, (effort, size), watch))
+    pool.install(|| report(&gpu, &cases, (&plain, &relief), (effort, size), watch))
         .map_err(|e| Failure::usage(e, "see `ophidian preview --explain` for what the adapter holds"))
 }

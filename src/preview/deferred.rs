@@ -5,7 +5,7 @@
 use glam::Vec3;
 
 use super::mesh::{self, DeviceMesh};
-use super::program::Slot;
+use super::shaded::Room;
 use super::target::{self, Shading};
 use super::{Gpu, slots, textures};
 
@@ -91,9 +91,16 @@ pub(super) struct Recorder {
 }
 
 impl Recorder {
-    /// For a material whose maps have so many columns and rows; `frame` is the layout of bind group 0.
-    pub(super) fn new(gpu: &Gpu, frame: &wgpu::BindGroupLayout, material: usize, maps: [usize; 2]) -> Self {
-        Self { material, pipelines: [false, true].map(|hides_backs| pipeline(gpu, frame, maps, hides_backs)) }
+    /// For a material whose maps have so many columns and rows; `room` has the layout of bind group 0, and that of group 2 is there
+    /// where a relief is seen.
+    pub(super) fn new(
+        gpu: &Gpu,
+        room: &Room,
+        relief: Option<&wgpu::BindGroupLayout>,
+        (material, maps): (usize, [usize; 2]),
+    ) -> Self {
+        let pipelines = [false, true].map(|hides_backs| pipeline(gpu, room, relief, maps, hides_backs));
+        Self { material, pipelines }
     }
 
     /// Record those of the meshes that wear the material.
@@ -107,14 +114,18 @@ impl Recorder {
 
 fn pipeline(
     gpu: &Gpu,
-    frame: &wgpu::BindGroupLayout,
+    room: &Room,
+    relief: Option<&wgpu::BindGroupLayout>,
     [columns, rows]: [usize; 2],
     hides_backs: bool,
 ) -> wgpu::RenderPipeline {
-    let module = slots::module(gpu, "record", &slots::slots!["frame", "surface", "gbuffer"], "");
+    let module = slots::module(gpu, "record", &slots::recorder(relief.is_some()), "");
+    let mut constants = vec![("COLUMNS", columns as f64), ("ROWS", rows as f64)];
+    constants.extend(relief.map(|_| ("RELIEF_STEPS", f64::from(room.options.parallax_steps.max(1)))));
+    let groups = [Some(&room.frame), None, relief];
     let layout = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
         label: Some("record"),
-        bind_group_layouts: &[Some(frame)],
+        bind_group_layouts: &groups[..if relief.is_some() { 3 } else { 1 }],
         immediate_size: 0,
     });
     gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
@@ -133,7 +144,7 @@ fn pipeline(
             module: &module,
             entry_point: Some("record"),
             compilation_options: wgpu::PipelineCompilationOptions {
-                constants: &[("COLUMNS", columns as f64), ("ROWS", rows as f64)],
+                constants: &constants,
                 ..Default::default()
             },
             targets: &FORMATS.map(|format| Some(format.into())),

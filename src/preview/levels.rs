@@ -110,18 +110,23 @@ fn taps(i: usize, n: usize) -> [(usize, f32); 3] {
     [(2 * i, part(m - i)), (2 * i + 1, part(m)), (2 * i + 2, part(i + 1))]
 }
 
-/// The next level of one of `width` by `height` texels, which `at` gives.
-fn halve(width: usize, height: usize, at: impl Fn(usize) -> Mean + Sync) -> Vec<Mean> {
+/// The next level of one of `width` by `height` texels, which `at` gives and `add` adds with a weight.
+pub(super) fn halve<T: Default + Send>(
+    width: usize,
+    height: usize,
+    at: impl Fn(usize) -> T + Sync,
+    add: impl Fn(&mut T, &T, f32) + Sync,
+) -> Vec<T> {
     let (w, h) = ((width / 2).max(1), (height / 2).max(1));
     let row = |y: usize| {
         let rows = taps(y, height);
-        let at = &at;
+        let (at, add) = (&at, &add);
         (0..w).map(move |x| {
-            let mut mean = Mean::default();
+            let mut mean = T::default();
             for (column, a) in taps(x, width) {
                 for (row, b) in rows {
                     if a * b > 0.0 {
-                        mean.add(&at(row * width + column), a * b);
+                        add(&mut mean, &at(row * width + column), a * b);
                     }
                 }
             }
@@ -224,8 +229,8 @@ pub(super) fn levels(maps: &SkinMaps, thickness: Thickness) -> Vec<Level> {
     let mut last: Option<Vec<Mean>> = None;
     while width > 1 || height > 1 {
         let next = match &last {
-            None => halve(width, height, texel),
-            Some(last) => halve(width, height, |i| last[i]),
+            None => halve(width, height, texel, Mean::add),
+            Some(last) => halve(width, height, |i| last[i], Mean::add),
         };
         levels.push(encode(next.len(), |i| next[i]));
         (width, height) = ((width / 2).max(1), (height / 2).max(1));

@@ -39,6 +39,7 @@ mod mesh;
 mod occlusion;
 mod options;
 pub mod program;
+mod relief;
 mod render;
 mod shaded;
 mod shadows;

@@ -39,6 +39,11 @@ pub struct Options {
     /// Planes in which each pixel looks for what hides the environment from it (ambient occlusion in screen space), 2 are
     /// enough; with 0 the environment's light goes through everything.
     pub occlusion_slices: u32,
+    /// Times the height map by which maps are looked up where a ray of view meets its relief (parallax occlusion mapping): what a
+    /// displacement by as much shows, but for outlines and shadows. With 0 they are looked up on the surface.
+    pub parallax: f32,
+    /// Heights at which such a ray is compared with the ground, at least 1.
+    pub parallax_steps: u32,
 }
 
 impl Default for Options {
@@ -57,6 +62,8 @@ impl Default for Options {
             environment: true,
             lamps: true,
             occlusion_slices: 0,
+            parallax: 0.0,
+            parallax_steps: 16,
         }
     }
 }

@@ -170,6 +170,10 @@ impl<'g> Renderer<'g> {
             let make = || Shaded::new(gpu, &room, (material, casts, deferred == Some(i)), None);
             materials.push((worn.then(make).transpose()?, casts));
         }
+        let recorder = deferred.map(|material| {
+            let relief = materials[material].0.as_ref().and_then(|shaded: &Shaded| shaded.relief.as_ref());
+            Recorder::new(gpu, &room, relief, (material, size_of_maps(&scene.materials[material])))
+        });
         let background = Background::new(gpu, scene, &lamps, &bound.layout, shading, &mut resources)?;
         let renderer = Self {
             gpu,
@@ -181,9 +185,7 @@ impl<'g> Renderer<'g> {
             frame_group: bound.group,
             shadows,
             depth: shaded::depth(gpu, &bound.layout, shading),
-            deferred: deferred.map(|material| {
-                Recorder::new(gpu, &bound.layout, material, size_of_maps(&scene.materials[material]))
-            }),
+            deferred: recorder,
             shading,
             edges: (shading == Shading::Pixels).then(|| Edges::new(gpu, &bound.layout)),
             occlusion,
@@ -309,6 +311,9 @@ impl<'g> Renderer<'g> {
             let times = |place: usize| self.timing.as_ref().map(|t| t.pair(place));
             let mut pass = recorded.begin(&mut encoder, &target.depth, times(names.len()));
             pass.set_bind_group(0, &self.frame_group, &[]);
+            if let Some((Some(shaded), _)) = self.materials.get(recorder.material) {
+                shaded.set_relief(&mut pass);
+            }
             recorder.draw(&mut pass, &self.meshes, eye);
             drop(pass);
             names.push("record");
@@ -384,8 +389,9 @@ impl<'g> Renderer<'g> {
         let how = (material, *casts, before.is_recorded());
         let shaded = Shaded::new(self.gpu, &self.room, how, Some(before))?;
         // Records have the levels of maps of one size.
-        let recorder =
-            how.2.then(|| Recorder::new(self.gpu, &self.room.frame, index, size_of_maps(material)));
+        let record =
+            || Recorder::new(self.gpu, &self.room, shaded.relief.as_ref(), (index, size_of_maps(material)));
+        let recorder = how.2.then(record);
         self.gpu.wait()?;
         self.deferred = recorder.or(self.deferred.take());
         self.materials[index].0 = Some(shaded);

@@ -45,6 +45,8 @@ pub(super) struct Shaded {
     material: wgpu::BindGroup,
     /// Bind group 2.
     surface: wgpu::BindGroup,
+    /// Its layout, where what records it reads a relief there.
+    pub(super) relief: Option<wgpu::BindGroupLayout>,
     /// The files of its shader.
     pub(super) slots: Vec<&'static str>,
     /// What it has and the shader does not.
@@ -75,12 +77,13 @@ impl Shaded {
         let mut resources: Vec<_> =
             data.tables.iter().map(|t| (t.name.to_owned(), 16 * t.texels.len() as u64)).collect();
         let material_layout = binding::layout(gpu, &data);
-        let surface = Surface::new(gpu, material, options.anisotropy, compact)?;
+        let surface = Surface::new(gpu, material, options, compact)?;
         resources.extend(surface.textures.iter().map(|(name, bytes)| ((*name).to_owned(), *bytes)));
 
         let film_table = surface.film_table && (program.has("film_series") || program.has("film_dispersed"));
         let maps = material.maps.is_some();
-        let has = Has { maps, film_table, film_width: surface.film_width, recorded, bytes: compact };
+        let (film_width, relief) = (surface.film_width, surface.relief);
+        let has = Has { maps, film_table, film_width, recorded, bytes: compact, relief };
         let files = slots::files(&program, has, room.lit);
         let kind = Kind { program, has, casts };
         let pipeline = match before.filter(|before| before.kind == kind) {
@@ -91,7 +94,8 @@ impl Shaded {
         let material = binding::group(gpu, &material_layout, &data);
         let slots = files.iter().map(|f| f.name).collect();
         let left_out = kind.program.left_out().to_vec();
-        Ok(Self { pipeline, material, surface: surface.group, slots, left_out, resources, kind })
+        let relief = surface.relief.then_some(surface.layout);
+        Ok(Self { pipeline, material, surface: surface.group, relief, slots, left_out, resources, kind })
     }
 }
 
@@ -101,6 +105,13 @@ impl Shaded {
         pass.set_pipeline(&self.pipeline);
         pass.set_bind_group(1, &self.material, &[]);
         pass.set_bind_group(2, &self.surface, &[]);
+    }
+
+    /// Set a pass to record what wears it.
+    pub(super) fn set_relief(&self, pass: &mut wgpu::RenderPass<'_>) {
+        if self.relief.is_some() {
+            pass.set_bind_group(2, &self.surface, &[]);
+        }
     }
 
     /// Whether it is recorded first.
@@ -121,6 +132,9 @@ fn pipeline(
     let mut constants = if kind.has.film_table { Vec::new() } else { kind.program.constants() };
     if !kind.casts {
         constants.push(("SHADOW_LIFT", 0.0));
+    }
+    if kind.has.relief && !kind.has.recorded {
+        constants.push(("RELIEF_STEPS", f64::from(room.options.parallax_steps.max(1))));
     }
     let (lit, [suns, rectangles]) = (room.lit, room.lamps);
     let counts = [(lit.suns, "SUNS", suns), (lit.rectangles.is_some(), "RECTANGLES", rectangles)];

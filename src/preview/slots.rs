@@ -13,6 +13,7 @@
 //! | light from all around | `sky_none`, `sky_even`, `sky_image` |
 //! | what hides it | `open_all`, or `open_screen` with the passes of occlusion.rs |
 //! | who is shaded | `forward`: triangles; `deferred`: pixels that `gbuffer` recorded |
+//! | where triangles read maps | `relief_none`, `relief` |
 
 use super::Gpu;
 use super::program::{SkinProgram, Slot};
@@ -72,6 +73,8 @@ pub(super) struct Has {
     pub(super) recorded: bool,
     /// Maps of bytes.
     pub(super) bytes: bool,
+    /// A height map whose relief is seen.
+    pub(super) relief: bool,
 }
 
 /// The files, in the order in which they are joined.
@@ -119,8 +122,24 @@ pub(super) fn files(program: &SkinProgram, has: Has, lit: Lit) -> Vec<Slot> {
     }
     let [all, screen] = slots!["open_all", "open_screen"];
     files.extend([if lit.hidden { screen } else { all }, sky, shade]);
-    files.push(if has.recorded { deferred } else { forward });
+    if has.recorded {
+        files.push(deferred);
+    } else {
+        files.extend([relief(has.relief), forward]);
+    }
     files
+}
+
+/// Those that record what a surface shows before it is shaded.
+pub(super) fn recorder(has_relief: bool) -> Vec<Slot> {
+    let [frame, surface, gbuffer] = slots!["frame", "surface", "gbuffer"];
+    vec![frame, surface, relief(has_relief), gbuffer]
+}
+
+/// Where triangles read maps.
+fn relief(seen: bool) -> Slot {
+    let [none, relief] = slots!["relief_none", "relief"];
+    if seen { relief } else { none }
 }
 
 /// Files as one text.
@@ -188,7 +207,7 @@ mod tests {
                         let recorded = Has { recorded: true, bytes: suns, film_width: maps && suns, ..has };
                         all.push(files(&program, recorded, Lit { hidden: false, ..lit }));
                         if maps && features.film {
-                            all.push(files(&program, Has { film_width: true, ..has }, lit));
+                            all.push(files(&program, Has { film_width: true, relief: suns, ..has }, lit));
                             all.push(files(&program, Has { film_table: true, film_width: suns, ..has }, lit));
                         }
                     }
@@ -200,8 +219,7 @@ mod tests {
         let [lamp, shadow, depth, edges] = slots!["lamp", "shadow", "depth", "edges"];
         let [facing, search, mean] = slots!["facing", "occlusion", "occlusion_mean"];
         all.extend([vec![frame, depth], vec![edges], vec![frame, facing], vec![frame, search], vec![mean]]);
-        let [surface, gbuffer] = slots!["surface", "gbuffer"];
-        all.extend([vec![frame, surface, gbuffer]]);
+        all.extend([recorder(false), recorder(true)]);
         let [down, up, first, next, meter] =
             slots!["bloom_down", "bloom_up", "meter_first", "meter_next", "meter"];
         all.extend([vec![down], vec![up], vec![meter, first], vec![meter, next]]);
@@ -240,6 +258,7 @@ mod tests {
                 ("openings", "open_screen"),
                 ("color_map", "maps"),
                 ("tangents", "deferred"),
+                ("relief_map", "relief"),
                 ("film_table", "film_table"),
                 ("picture", "surroundings_image"),
             ] {

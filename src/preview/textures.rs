@@ -6,6 +6,8 @@ use rayon::prelude::*;
 use wgpu::util::DeviceExt;
 
 use super::levels::{Part, Thickness, levels};
+use super::options::Options;
+use super::relief::Relief;
 use super::{Gpu, PreviewError, film_table};
 use crate::optics::layered::Constants;
 use crate::scene::{Material, SkinMaps};
@@ -35,22 +37,23 @@ pub(super) struct Surface {
     pub(super) film_table: bool,
     /// Whether its film varies below a texel of some level.
     pub(super) film_width: bool,
+    /// Whether the relief of its height map is there.
+    pub(super) relief: bool,
 }
 
 impl Surface {
-    /// Copy the maps of a material, or its constants; `anisotropy` is the most samples along a slanted view, and compact maps
-    /// are bytes.
+    /// Copy the maps of a material, or its constants; compact maps are bytes.
     ///
     /// # Errors
     /// If the maps are larger than the adapter holds, or an index of the film is out of range.
     pub(super) fn new(
         gpu: &Gpu,
         material: &Material,
-        anisotropy: u16,
+        options: &Options,
         compact: bool,
     ) -> Result<Self, PreviewError> {
         match &material.maps {
-            Some(maps) => Self::mapped(gpu, maps, &material.constants, anisotropy, compact),
+            Some(maps) => Self::mapped(gpu, maps, &material.constants, options, compact),
             None => Ok(Self::plain(gpu, material)),
         }
     }
@@ -77,14 +80,15 @@ impl Surface {
             layout: &layout,
             entries: &entries,
         });
-        Self { group, layout, textures: Vec::new(), film_table: false, film_width: false }
+        let textures = Vec::new();
+        Self { group, layout, textures, film_table: false, film_width: false, relief: false }
     }
 
     fn mapped(
         gpu: &Gpu,
         maps: &SkinMaps,
         constants: &Constants,
-        anisotropy: u16,
+        options: &Options,
         compact: bool,
     ) -> Result<Self, PreviewError> {
         let most = u64::from(gpu.device.limits().max_texture_dimension_2d);
@@ -117,8 +121,9 @@ impl Surface {
             mipmap_filter: wgpu::MipmapFilterMode::Linear,
             ..Default::default()
         };
+        let smooth = gpu.device.create_sampler(&filtered);
         let sampler = gpu.device.create_sampler(&wgpu::SamplerDescriptor {
-            anisotropy_clamp: anisotropy.max(1),
+            anisotropy_clamp: options.anisotropy.max(1),
             ..filtered.clone()
         });
         // Each read of a texel takes long where texels are few.
@@ -175,6 +180,20 @@ impl Surface {
             ]);
             sizes.push(*size);
         }
+        let relief = Relief::new(gpu, maps, options.parallax);
+        if let Some(relief) = &relief {
+            entries.extend([
+                uniform_entry(8),
+                texture_entry(9, wgpu::TextureViewDimension::D2),
+                entry(10, sampled),
+            ]);
+            resources.extend([
+                relief.block.as_entire_binding(),
+                wgpu::BindingResource::TextureView(&relief.heights),
+                wgpu::BindingResource::Sampler(&smooth),
+            ]);
+            sizes.push(("relief", relief.bytes));
+        }
         let layout = gpu.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
             label: Some("maps"),
             entries: &entries,
@@ -188,7 +207,14 @@ impl Surface {
             layout: &layout,
             entries: &resources,
         });
-        Ok(Self { group, layout, textures: sizes, film_table: film.is_some(), film_width: width.is_some() })
+        Ok(Self {
+            group,
+            layout,
+            textures: sizes,
+            film_table: film.is_some(),
+            film_width: width.is_some(),
+            relief: relief.is_some(),
+        })
     }
 }
 

@@ -28,6 +28,17 @@ pub struct Case {
     pub tone: ToneMap,
 }
 
+/// A skin whose relief is seen: drawn on `flat` by parallax, and as triangles of `displaced`.
+#[derive(Clone, Debug)]
+pub struct Relief {
+    /// Times the height map.
+    pub amount: f32,
+    /// On the surface of the subject.
+    pub flat: Case,
+    /// On a surface that the height map has moved.
+    pub displaced: Case,
+}
+
 /// Why there is no report.
 #[derive(Debug, thiserror::Error)]
 pub enum Problem {
@@ -75,7 +86,7 @@ const SNAKES: [(usize, f64); 4] = [(0, 0.09), (1, 0.17), (5, 0.18), (20, 0.21)];
 pub fn report(
     gpu: &Gpu,
     cases: &[Case],
-    plain: &Case,
+    (plain, relief): (&Case, &Relief),
     (effort, compared): (Effort, Option<[usize; 2]>),
     watch: Watch<'_>,
 ) -> Result<Report, Problem> {
@@ -168,6 +179,20 @@ pub fn report(
         ));
         page.table(occlusion(gpu, case, &options, &sizes)?);
     }
+
+    watch(0.795, "relief");
+    page.heading("Relief");
+    page.prose(format!(
+        "The height map {} times as high on `{}`, {} on it, against direct light on a surface that is moved by it: maps looked up \
+         on the even surface, where the view meets the relief, compared at so many heights (parallax occlusion mapping), and the \
+         moved surface itself, with {} triangles in place of {}.",
+        relief.amount,
+        relief.flat.scene.name,
+        relief.flat.skin,
+        triangles(&relief.displaced),
+        triangles(&relief.flat)
+    ));
+    page.table(reliefs(gpu, relief, &options, &sizes)?);
 
     watch(0.8, "films");
     let (table, figure) = gallery(gpu, plain, &options, &sizes)?;
@@ -413,6 +438,34 @@ fn occlusion(gpu: &Gpu, case: &Case, options: &Options, sizes: &Sizes) -> Result
         }
     }
     Ok(table)
+}
+
+/// Relief by parallax and by displacement.
+fn reliefs(gpu: &Gpu, relief: &Relief, options: &Options, sizes: &Sizes) -> Result<Table, Problem> {
+    let Relief { amount, flat, displaced } = relief;
+    let columns: Vec<&str> = ["relief"].iter().chain(&ERRORS[3..]).copied().collect();
+    let mut table = Table::new("relief", "Relief by parallax", &columns);
+    let inner = inner(displaced, sizes)?;
+    let truth = trace(&reference::Renderer::new(&displaced.scene)?, displaced, sizes, DIRECT);
+    let parallax = |parallax_steps| Options { parallax: *amount, parallax_steps, ..*options };
+    for (name, case, options) in [
+        ("none", flat, *options),
+        ("parallax, 4 heights", flat, parallax(4)),
+        ("parallax, 8 heights", flat, parallax(8)),
+        ("parallax, 16 heights", flat, parallax(16)),
+        ("parallax, 64 heights", flat, parallax(64)),
+        ("displacement", displaced, *options),
+    ] {
+        let apart =
+            Apart::new(&draw(gpu, case, &options, sizes.compared)?, &truth, &inner, sizes.compared[0])?;
+        let ms = time(gpu, case, &options, sizes.shortcuts)?;
+        table.row([Cell::text(name), Cell::Fixed(ms, 1)].into_iter().chain(apart.cells()));
+    }
+    Ok(table)
+}
+
+fn triangles(case: &Case) -> usize {
+    case.scene.objects.first().map_or(0, |object| object.mesh.triangles.len())
 }
 
 /// The thesis's films and absorptions, also with fewer terms of the film's series.

@@ -497,3 +497,79 @@ fn without_a_driver_the_path_tracer_draws_and_one_line_says_so() {
     let run = preview(dir.path(), false, &["python_regius", "-o", "c.exr"]);
     assert_eq!(run.code, Some(2));
 }
+
+/// Bumps by parallax are nearer to those of a moved surface than maps on the even one, and not those turned inside out. Without a height map, or with an even one, nothing of it is in the shader.
+#[test]
+fn parallax_is_nearly_displacement() {
+    let Some(gpu) = gpu() else { return };
+    let side = 64;
+    let mut spec = builtin::scene("plane").expect("a built-in scene");
+    (spec.camera.elevation_deg, spec.subject.triangles) = (40.0, 2000);
+    let bump = |i: usize| {
+        let turns = [i % side, i / side].map(|n| (n as f32 + 0.5) / side as f32 * 3.0);
+        turns.map(|t| 0.5 - 0.5 * num::cos_turns(t)).iter().product::<f32>()
+    };
+    // As bright as they are high: what is seen tells where maps were looked up.
+    let texel = |i| Texel {
+        color: [0.05 + 0.9 * bump(i); 3],
+        roughness: 0.8,
+        normal: [0.0, 0.0, 1.0],
+        thickness_nm: 0.0,
+    };
+    let maps = |height: &dyn Fn(usize) -> f32| {
+        Arc::new(SkinMaps {
+            width: side,
+            height: side,
+            texels: (0..side * side).map(texel).collect(),
+            height_mm: Some((0..side * side).map(height).collect()),
+            size_mm: [30.0, 30.0],
+        })
+    };
+    let relief = maps(&|i| 1.5 * bump(i));
+    let inputs = |maps: &Arc<SkinMaps>| Inputs { maps: Some(maps.clone()), ..Inputs::default() };
+    let scene = Scene::build(&spec, &inputs(&relief)).expect("it can be built");
+    let mut moved = spec.clone();
+    moved.subject.displacement = 1.0;
+    let mut moved = Scene::build(&moved, &inputs(&relief)).expect("it can be built");
+    // Colours alone: bumps of the moved surface are not in the maps.
+    for (object, even) in moved.objects.iter_mut().zip(&scene.objects) {
+        let up = even.mesh.normals[0];
+        object.mesh.normals.iter_mut().for_each(|n| *n = up);
+    }
+    let size = [120, 90];
+    let tracer = reference::Renderer::new(&moved).expect("a sound scene");
+    let film = tracer.render(&direct_light(size, 64), Control::default());
+    let draw = |scene: &Scene, parallax: f32, parallax_steps: u32, once: bool| {
+        let options = Options { parallax, parallax_steps, once, samples: 4, ..open(&gpu) };
+        let mut renderer = Renderer::new(&gpu, scene, &options).expect("it fits");
+        let texels = renderer.render(&scene.camera, size).expect("a picture").texels;
+        (texels, renderer.resources().iter().any(|(name, _)| name == "relief"))
+    };
+    let apart = |texels: &[[f32; 3]]| {
+        let mut errors = ColorErrors::default();
+        for (texel, pixel) in texels.iter().zip(&film.pixels).filter(|(_, p)| sees_one_surface(p)) {
+            errors.add(shown(&spec, *texel), shown(&spec, pixel.rgb()));
+        }
+        errors.delta_e_mean()
+    };
+    let (even, there) = draw(&scene, 0.0, 16, true);
+    assert!(!there);
+    let plain = apart(&even);
+    for once in [true, false] {
+        let at = |parallax, steps| {
+            let (texels, there) = draw(&scene, parallax, steps, once);
+            assert!(there);
+            (apart(&texels), texels)
+        };
+        let [few, many, inside_out] = [at(1.0, 2), at(1.0, 32), at(-1.0, 32)];
+        println!("{plain} without, {} by 2, {} by 32, {} inside out", few.0, many.0, inside_out.0);
+        assert!(many.0 < 0.25 * plain && inside_out.0 > plain, "{plain} {} {}", many.0, inside_out.0);
+        assert_ne!(few.1, many.1);
+    }
+    // An even one at any height is no relief, and nothing finite breaks it.
+    let flat = Scene::build(&spec, &inputs(&maps(&|_| 0.7))).expect("it can be built");
+    assert_eq!(draw(&flat, 1.0, 16, true), (even, false));
+    let steep =
+        Scene::build(&spec, &inputs(&maps(&|i| if i % 7 == 0 { 1e4 } else { f32::NAN }))).expect("built");
+    assert!(draw(&steep, 1e3, 1, true).0.iter().flatten().all(|c| c.is_finite()));
+}

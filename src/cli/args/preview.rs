@@ -69,6 +69,10 @@ pub(in crate::cli) struct Preview {
     /// the picture. Unless set, where the adapter is no program on the CPU.
     #[arg(long, value_name = "BOOL", num_args = 0..=1, require_equals = true, default_missing_value = "true")]
     pub(in crate::cli) occlusion: Option<bool>,
+    /// Look maps up where the view meets the relief of the height map, so many times as high: nearly what --displace shows, but
+    /// for outlines and shadows, without its triangles (parallax occlusion mapping). The path tracer does not do it.
+    #[arg(long, value_name = "AMOUNT", num_args = 0..=1, require_equals = true, default_missing_value = "1", allow_negative_numbers = true)]
+    pub(in crate::cli) parallax: Option<f32>,
     /// Threads; all cores unless set.
     #[arg(long, env = "OPHIDIAN_THREADS", value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub(in crate::cli) threads: Option<u16>,

@@ -4,5 +4,6 @@
 fn shade(v: Varying, @builtin(front_facing) front: bool) -> @location(0) vec4f {
     let facet = facet_of(v.position, frame.eye - v.position);
     let pixel = Pixel(v.clip.xy, vec2f(1.0));
-    return shaded(look_up(v.uv, 0.0), v.position, facet, outward(v, facet, front), tangent_of(v, front), pixel);
+    let normal = outward(v, facet, front);
+    return shaded(look_up(relieved(v, normal), 0.0), v.position, facet, normal, tangent_of(v, front), pixel);
 }

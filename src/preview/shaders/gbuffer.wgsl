@@ -19,5 +19,6 @@ fn record(v: Varying, @builtin(front_facing) front: bool) -> Recorded {
     let x = dpdx(v.uv) * size;
     let y = dpdy(v.uv) * size;
     let level = 0.5 * log2(clamp(max(dot(x, x), dot(y, y)), 1e-6, 1e9));
-    return Recorded(v.uv, vec4f(outward(v, facet, front), level), tangent_of(v, front));
+    let normal = outward(v, facet, front);
+    return Recorded(relieved(v, normal), vec4f(normal, level), tangent_of(v, front));
 }
