@@ -33,8 +33,6 @@ struct Drawn {
     again: Vec<(&'static str, Option<f64>)>,
     /// Milliseconds of each frame, with the way back to memory.
     frames_ms: Vec<f64>,
-    /// What the shader lacks.
-    left_out: Vec<&'static str>,
     slots: Vec<Vec<&'static str>>,
     resources: Vec<(String, u64)>,
 }
@@ -116,7 +114,6 @@ pub(super) fn run(args: &Preview) -> Result<Exit, Failure> {
                 passes: Vec::new(),
                 again: Vec::new(),
                 frames_ms: Vec::new(),
-                left_out: Vec::new(),
                 slots: Vec::new(),
                 resources: Vec::new(),
             }
@@ -131,10 +128,6 @@ pub(super) fn run(args: &Preview) -> Result<Exit, Failure> {
     let pixels = pool.install(|| screen(&drawn.texels, args.tone.unwrap_or(spec.render.tone), exposure));
     io::write_picture(&args.output, size, &pixels)?;
     drop(progress);
-    for name in &drawn.left_out {
-        let message = format!("the picture is without {name}: the shader has none yet");
-        render::warning(&message, "`ophidian render`, or --backend cpu, draws it");
-    }
     if args.parallax.is_some() && !drawn.gpu {
         render::warning(
             "the picture is without parallax: the path tracer drew it",
@@ -177,7 +170,6 @@ fn draw(gpu: &Gpu, scene: &Scene, size: [usize; 2], args: &Preview) -> Result<Dr
         passes: picture.passes,
         again,
         frames_ms,
-        left_out: renderer.left_out(),
         slots: renderer.slots(),
         resources: renderer.resources(),
     })

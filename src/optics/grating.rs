@@ -53,7 +53,7 @@ pub struct Grating {
 
 /// A grating made ready.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Ridges<F> {
+pub(crate) struct Ridges<F> {
     period_nm: F,
     height_nm: F,
     across: [F; 2],
@@ -61,7 +61,7 @@ pub(super) struct Ridges<F> {
 
 impl<F: Real> Ridges<F> {
     /// `None` if they have no height.
-    pub(super) fn new(grating: &Grating) -> Result<Option<Self>, FilmError> {
+    pub(crate) fn new(grating: &Grating) -> Result<Option<Self>, FilmError> {
         let Grating { period_nm, height_nm, direction_rad } = *grating;
         let [period, height, direction] = [period_nm, height_nm, direction_rad].map(f64::from);
         let checks = [
@@ -95,7 +95,6 @@ impl<F: Real> Ridges<F> {
     /// Shares of the orders of light from or to `w`, from the least order on; their sum is at most 1.
     fn shares(&self, wavelength_nm: F, w: [F; 3]) -> [F; 2 * ORDERS + 1] {
         let (most, shift) = self.shifts(wavelength_nm);
-        let per_height = F::from_f64(TAU) * self.height_nm / wavelength_nm.max(F::from_f64(LEAST_NM));
         // All directions that exchange light with w, through any number of orders: order and height of each.
         let (mut all, mut count, mut own) = ([(0, F::ZERO); ORDERS + 1], 0, 0);
         for m in -most..=most {
@@ -108,6 +107,17 @@ impl<F: Real> Ridges<F> {
             }
         }
         let all = &all[..count];
+        let exchange = self.exchange(wavelength_nm, all);
+        let mut shares = [F::ZERO; 2 * ORDERS + 1];
+        for (j, b) in all.iter().enumerate() {
+            shares[(b.0 + most) as usize] = exchange.share(own, j);
+        }
+        shares
+    }
+
+    /// What directions of these orders and heights, at most [`ORDERS`] + 1, send each other.
+    fn exchange(&self, wavelength_nm: F, all: &[(i32, F)]) -> Exchange<F> {
+        let per_height = F::from_f64(TAU) * self.height_nm / wavelength_nm.max(F::from_f64(LEAST_NM));
         let mut power = [[F::ZERO; ORDERS + 1]; ORDERS + 1];
         for (i, a) in all.iter().enumerate() {
             for (j, b) in all.iter().enumerate().take(i + 1) {
@@ -117,22 +127,14 @@ impl<F: Real> Ridges<F> {
             }
         }
         // Scale rows and columns alike until each sums to 1 (Knight, Ruiz & Ucar 2014, a symmetry preserving algorithm).
-        let mut scale = [F::ONE; ORDERS + 1];
-        let row = |i: usize, scale: &[F; ORDERS + 1]| {
-            (0..count).fold(F::ZERO, |sum, j| sum + power[i][j] * scale[j]).max(F::from_f64(1e-12)) * scale[i]
-        };
+        let mut found = Exchange { power, scale: [F::ONE; ORDERS + 1], count: all.len() };
         for _ in 0..ROUNDS {
-            let before = scale;
-            for i in 0..count {
-                scale[i] = before[i] / row(i, &before).safe_sqrt();
+            let before = found;
+            for i in 0..all.len() {
+                found.scale[i] = before.scale[i] / before.row(i).safe_sqrt();
             }
         }
-        let over = scale[own] / row(own, &scale).max(F::ONE);
-        let mut shares = [F::ZERO; 2 * ORDERS + 1];
-        for (j, b) in all.iter().enumerate() {
-            shares[(b.0 + most) as usize] = power[own][j] * scale[j] * over;
-        }
-        shares
+        found
     }
 
     /// The lobe of a perfect mirror with these ridges, 1/sr, and the density of [`Ridges::sample`], 1/sr.
@@ -188,6 +190,56 @@ impl<F: Real> Ridges<F> {
         let wi: [F; 3] = std::array::from_fn(|k| s * half[k] - moved[k]);
         let length = dot(wi, wi).safe_sqrt();
         (s > F::ZERO && wi[2] > F::ZERO && length > F::ZERO).then(|| wi.map(|x| x / length))
+    }
+}
+
+/// Directions that send light to each other: powers, and what scales rows and columns so that they sum to 1.
+#[derive(Clone, Copy, Debug)]
+struct Exchange<F> {
+    power: [[F; ORDERS + 1]; ORDERS + 1],
+    scale: [F; ORDERS + 1],
+    count: usize,
+}
+
+impl<F: Real> Exchange<F> {
+    /// What a direction sends to all.
+    fn row(&self, i: usize) -> F {
+        let sum = (0..self.count).fold(F::ZERO, |sum, j| sum + self.power[i][j] * self.scale[j]);
+        sum.max(F::from_f64(1e-12)) * self.scale[i]
+    }
+
+    /// What direction i sends to j.
+    fn share(&self, i: usize, j: usize) -> F {
+        self.power[i][j] * self.scale[j] * (self.scale[i] / self.row(i).max(F::ONE))
+    }
+}
+
+impl Ridges<f64> {
+    /// `lambda/P`, and how many directions at most exchange light of a wavelength.
+    pub(crate) fn steps(&self, wavelength_nm: f64) -> (f64, usize) {
+        let (_, shift) = self.shifts(wavelength_nm);
+        // A little more: whoever counts them in single precision may find one more.
+        (shift, ((2.0 / shift + 1e-3) as usize).min(ORDERS) + 1)
+    }
+
+    /// Unit vector across the ridges.
+    pub(crate) fn across(&self) -> [f64; 2] {
+        self.across
+    }
+
+    /// Shares that `count` directions, in steps of `lambda/P` along g, exchange: each with those before it and with itself.
+    /// From the last and the first of them the horizon is `ends` steps away, both below 1: in these shares are smooth but for
+    /// roots, though not where directions rise or set.
+    pub(crate) fn exchanged(&self, wavelength_nm: f64, count: usize, [after, before]: [f64; 2]) -> Vec<f64> {
+        let (shift, _) = self.steps(wavelength_nm);
+        // z^2 = (r - x)(r + x), where r is the radius of the hemisphere at this distance from the plane of g.
+        let height = |i: usize| shift * ((before + i as f64) * ((count - 1 - i) as f64 + after)).sqrt();
+        let all: Vec<_> = (0..count).map(|i| (i as i32, height(i))).collect();
+        let exchange = self.exchange(wavelength_nm, &all);
+        (0..count)
+            .flat_map(|j| (0..=j).map(move |i| (i, j)))
+            .map(|(i, j)| 0.5 * (exchange.share(i, j) + exchange.share(j, i)))
+            .collect()
     }
 }
 

@@ -3,6 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 
 use super::lobe;
+use super::orders;
 use super::program::SkinProgram;
 use crate::optics::film_color::{BEST_NM, UNIFORM_NM};
 use crate::optics::layered::{Albedo, Below, Constants};
@@ -167,6 +168,9 @@ impl SkinData {
             let row = |side: usize| (0..CURVE).map(move |i| rgb(constants.base.sides(cosine(i))[side]));
             let texels = (0..sides).flat_map(row).collect();
             tables.push(Table { name: "curve", binding: 5, width: CURVE as u32, texels });
+        }
+        if let (Some(count), Some(grating)) = (program.grating_wavelengths(), &constants.grating) {
+            tables.extend(orders::tables(grating, count)?);
         }
         Ok(Self { uniform, tables })
     }

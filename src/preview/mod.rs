@@ -9,6 +9,7 @@
 //! | [`SkinProgram`], [`SkinOptions`] | the shader of one material: only what it has |
 //! | [`SkinData`], [`binding`] | its numbers and tables, and bind group 1 |
 //! | [`lobe`] | what gloss does to light from all around |
+//! | [`orders`] | tables of the orders of a diffraction grating |
 //!
 //! A picture takes one pass: objects by the light of suns and rectangles, each small light with a shadow map drawn before
 //! the first picture, and by the environment filtered beforehand; then what is behind them. Adapters that are programs
@@ -38,6 +39,7 @@ pub mod material;
 mod mesh;
 mod occlusion;
 mod options;
+pub mod orders;
 pub mod program;
 mod relief;
 mod render;

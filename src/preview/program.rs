@@ -5,8 +5,9 @@
 //!
 //! | Part | Files |
 //! | --- | --- |
-//! | gloss | `gloss_none`, or `gloss_ggx` with `lobe` |
-//! | film | `film_none` (a plain interface), `film_dispersed`, or `film_series` with the next two |
+//! | gloss | `gloss_none`, or `microfacets` with `lobe` and the next |
+//! | its ridges | `gloss_ggx` (none), or `gloss_grating` with `airy` |
+//! | film | `film_none` (a plain interface), `film_dispersed` with `airy`, or `film_series` with the next two |
 //! | its fringes | `fringes`, `fringes_filtered` |
 //! | beyond its critical angle | `beyond_none`, `beyond_frustrated` |
 //! | base | `base_none`, `base_matt` (no layers) with `cosine`, or `base_layers` with the next four |
@@ -14,8 +15,6 @@
 //! | layer | `layer_clear`, `layer_absorbing`, `layer_dispersed` |
 //! | what enters | `pass_flat`, or `pass_coupled` with `lobe` |
 //! | light below the film | `below_constant`, `below_table`, `below_rough` |
-//!
-//! Gratings are not there yet: [`SkinProgram::left_out`] says so.
 //!
 //! They use bind group 1, and define what the frame calls: `SurfacePoint`, `Skin`, `skin_view`, `skin_eval`, `skin_shine`,
 //! `skin_tints`, `skin_lobes`, `skin_ambient` and `skin_alpha`; see `skin.wgsl`.
@@ -52,13 +51,15 @@ pub struct SkinOptions {
     pub film_order: u32,
     /// Whether film thickness that varies within a pixel is averaged, where a map holds it.
     pub footprint: bool,
+    /// Wavelengths by which the orders of a grating are drawn, 2 to 32; see [`super::orders`] for what fewer cost.
+    pub grating_wavelengths: u32,
     /// Layers that there are.
     pub parts: Parts,
 }
 
 impl Default for SkinOptions {
     fn default() -> Self {
-        Self { film_order: 3, footprint: true, parts: Parts::All }
+        Self { film_order: 3, footprint: true, grating_wavelengths: 16, parts: Parts::All }
     }
 }
 
@@ -67,7 +68,7 @@ impl Default for SkinOptions {
 pub struct SkinProgram {
     slots: Vec<Slot>,
     film_order: Option<u32>,
-    left_out: Vec<&'static str>,
+    grating_wavelengths: Option<u32>,
 }
 
 impl SkinProgram {
@@ -89,6 +90,10 @@ impl SkinProgram {
             slots.extend(slots!["fresnel"]);
         }
         let dispersed = features.dispersion && layers;
+        let grating = features.grating && gloss;
+        if dispersed || grating {
+            slots.extend(slots!["airy"]);
+        }
         if dispersed {
             slots.extend(slots!["film_dispersed"]);
         } else if film {
@@ -99,7 +104,12 @@ impl SkinProgram {
         } else if layers {
             slots.extend(slots!["film_none"]);
         }
-        slots.push(one(gloss, slots!["gloss_ggx", "gloss_none"]));
+        if gloss {
+            slots.extend(slots!["microfacets"]);
+            slots.push(one(grating, slots!["gloss_grating", "gloss_ggx"]));
+        } else {
+            slots.extend(slots!["gloss_none"]);
+        }
         if gloss || coupled {
             slots.extend(slots!["lobe"]);
         }
@@ -122,16 +132,14 @@ impl SkinProgram {
             }
             slots.push(one(base, slots!["base_matt", "base_none"]));
         }
-        let mut left_out = Vec::new();
-        if features.grating && gloss {
-            left_out.push("grating");
-        }
-        Self { slots, film_order: (film && !dispersed).then_some(options.film_order.max(1)), left_out }
+        let film_order = (film && !dispersed).then_some(options.film_order.max(1));
+        let grating_wavelengths = grating.then_some(options.grating_wavelengths.clamp(2, 32));
+        Self { slots, film_order, grating_wavelengths }
     }
 
-    /// What the material has and the shader does not: such a picture differs from the reference's by it.
-    pub fn left_out(&self) -> &[&'static str] {
-        &self.left_out
+    /// Wavelengths by which the orders of a grating are drawn, if there is one.
+    pub fn grating_wavelengths(&self) -> Option<u32> {
+        self.grating_wavelengths
     }
 
     /// The files, in the order in which they are joined.

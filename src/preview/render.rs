@@ -411,14 +411,6 @@ impl<'g> Renderer<'g> {
         self.resources.iter().cloned().chain(worn).chain(target).chain(openings).collect()
     }
 
-    /// What materials have and no shader draws: the picture differs from the reference's by it.
-    pub fn left_out(&self) -> Vec<&'static str> {
-        let mut all: Vec<_> = self.worn().flat_map(|m| m.left_out.clone()).collect();
-        all.sort_unstable();
-        all.dedup();
-        all
-    }
-
     /// The files of each material's shader, and of the background's.
     pub fn slots(&self) -> Vec<Vec<&'static str>> {
         let materials = self.worn().map(|m| m.slots.clone());

@@ -49,8 +49,6 @@ pub(super) struct Shaded {
     pub(super) relief: Option<wgpu::BindGroupLayout>,
     /// The files of its shader.
     pub(super) slots: Vec<&'static str>,
-    /// What it has and the shader does not.
-    pub(super) left_out: Vec<&'static str>,
     /// What lies on the device, with bytes.
     pub(super) resources: Vec<(String, u64)>,
     kind: Kind,
@@ -93,9 +91,8 @@ impl Shaded {
         };
         let material = binding::group(gpu, &material_layout, &data);
         let slots = files.iter().map(|f| f.name).collect();
-        let left_out = kind.program.left_out().to_vec();
         let relief = surface.relief.then_some(surface.layout);
-        Ok(Self { pipeline, material, surface: surface.group, relief, slots, left_out, resources, kind })
+        Ok(Self { pipeline, material, surface: surface.group, relief, slots, resources, kind })
     }
 }
 

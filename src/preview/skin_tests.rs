@@ -1,5 +1,7 @@
 //! The shaders of skin against `optics`, on whatever adapter there is; and all of them against naga without one.
 
+mod gratings;
+
 use std::mem::offset_of;
 
 use super::Gpu;
@@ -11,13 +13,13 @@ use super::program::{SkinOptions, SkinProgram};
 use crate::base::hash;
 use crate::optics::base_layer::Tint;
 use crate::optics::layered::{Albedo, Constants, Energy, LEAST_ROUGHNESS, Parts, Point};
-use crate::optics::{Base, Film, FilmColor, Layers, Method, ggx};
+use crate::optics::{Base, Film, FilmColor, Grating, Layers, Method, ggx};
 use crate::scene::SceneFeatures;
 
 /// Every combination of the features that programs look at, and of options.
 fn programs() -> Vec<SkinProgram> {
     let mut all = Vec::new();
-    for bits in 0..1024u32 {
+    for bits in 0..2048u32 {
         let bit = |i: u32| bits >> i & 1 == 1;
         let features = SceneFeatures {
             interface: bit(0) || bit(1),
@@ -30,11 +32,13 @@ fn programs() -> Vec<SkinProgram> {
             total_reflection: bit(7),
             translucent_base: bit(5) && bit(8),
             dispersion: bit(9) && (bit(0) || bit(1)),
+            grating: bit(10),
             ..SceneFeatures::default()
         };
         for parts in [Parts::All, Parts::Specular, Parts::Diffuse, Parts::Lambert] {
             for footprint in [false, true] {
-                let program = SkinProgram::new(&features, &SkinOptions { film_order: 3, footprint, parts });
+                let options = SkinOptions { footprint, parts, ..SkinOptions::default() };
+                let program = SkinProgram::new(&features, &options);
                 if !all.contains(&program) {
                     all.push(program);
                 }
@@ -71,12 +75,12 @@ fn what_a_material_lacks_is_not_in_its_shader() {
         |m: &naga::Module| m.global_variables.iter().filter_map(|(_, g)| g.name.clone()).collect::<Vec<_>>();
     assert_eq!(globals(&module), ["material"]);
     assert!(module.functions.iter().all(|(_, f)| f.name.as_deref() != Some("fresnel")));
-    assert!(none.constants().is_empty() && none.left_out().is_empty());
+    assert!(none.constants().is_empty() && none.grating_wavelengths().is_none());
     let film = SceneFeatures { film: true, interface: true, ..SceneFeatures::default() };
     let base = SceneFeatures { base: true, ..film };
     let mapped = SceneFeatures { thickness_map: true, absorber: true, ..base };
-    let more = SceneFeatures { dispersion: true, grating: true, ..base };
-    assert_eq!(SkinProgram::new(&more, &SkinOptions::default()).left_out(), ["grating"]);
+    let ridged = SceneFeatures { grating: true, ..base };
+    let more = SceneFeatures { dispersion: true, ..ridged };
     let program =
         |features, parts| SkinProgram::new(&features, &SkinOptions { parts, ..SkinOptions::default() });
     for (features, parts, tables, absent) in [
@@ -85,14 +89,23 @@ fn what_a_material_lacks_is_not_in_its_shader() {
         (base, Parts::Diffuse, vec!["fringes_table"], "ggx_density"),
         (base, Parts::Lambert, vec![], "film_reflect"),
         (mapped, Parts::All, vec!["below_rows", "fringes_table", "lobe_table"], "base_matt"),
-        (more, Parts::All, vec!["wavelengths", "lobe_table"], "fringes"),
+        (
+            ridged,
+            Parts::All,
+            vec!["fringes_table", "order_nodes", "order_shares", "lobe_table"],
+            "ggx_density",
+        ),
+        (ridged, Parts::Diffuse, vec!["fringes_table"], "film_power"),
+        (more, Parts::All, vec!["wavelengths", "order_nodes", "order_shares", "lobe_table"], "fringes"),
     ] {
         let program = program(features, parts);
         let module = parse(&program.source());
         assert_eq!(globals(&module)[1..], tables, "{program:?}");
         assert!(module.functions.iter().all(|(_, f)| f.name.as_deref() != Some(absent)), "{program:?}");
         // What the shader reads is what there is.
-        let data = SkinData::new(&Constants::default(), 300.0, &program).expect("a material");
+        let grating = Some(Grating { period_nm: 900.0, height_nm: 50.0, direction_rad: 0.0 });
+        let constants = Constants { grating, ..Constants::default() };
+        let data = SkinData::new(&constants, 300.0, &program).expect("a material");
         let mut bound: Vec<_> = data.tables.iter().map(|t| (t.name.to_owned(), t.binding)).collect();
         let mut read: Vec<_> = module
             .global_variables

@@ -9,8 +9,9 @@
 //! | film under maps | the material's own, or `film_table` in its place |
 //! | suns | `suns_none`, `suns` |
 //! | rectangles | `rectangles_none`, or `rectangles` with `places_shared`, or with `places_each` and the next |
-//! | colours of small lights | `tints_middle`, `tints_each` |
-//! | light from all around | `sky_none`, `sky_even`, `sky_image` |
+//! | colours of small lights | `tints_middle`, `tints_each`; of a grating each in its own |
+//! | light from all around | `sky_none`, `sky_even`, or `sky_image` with the next |
+//! | what of it gloss mirrors | `sky_mirror`, or of a grating `sky_orders` |
 //! | what hides it | `open_all`, or `open_screen` with the passes of occlusion.rs |
 //! | who is shaded | `forward`: triangles; `deferred`: pixels that `gbuffer` recorded |
 //! | where triangles read maps | `relief_none`, `relief` |
@@ -96,8 +97,11 @@ pub(super) fn files(program: &SkinProgram, has: Has, lit: Lit) -> Vec<Slot> {
             .iter()
             .any(|start| slot.name.starts_with(start))
     };
+    let grating = program.has("gloss_grating");
     if has.film_table {
-        files.extend(program.slots().iter().filter(|slot| !series(slot)));
+        // A grating asks for wavelengths, not for colours.
+        let needless = |slot: &&Slot| series(slot) || (slot.name == "airy" && !grating);
+        files.extend(program.slots().iter().filter(|slot| !needless(slot)));
         files.extend(slots!["film_table"]);
     } else {
         files.extend_from_slice(program.slots());
@@ -114,14 +118,19 @@ pub(super) fn files(program: &SkinProgram, has: Has, lit: Lit) -> Vec<Slot> {
     files.extend([surface, suns]);
     let [each, shared, middle_tint, each_tint] =
         slots!["places_each", "places_shared", "tints_middle", "tints_each"];
-    match lit.rectangles {
+    match lit.rectangles.map(|places| if grating { Places::Each } else { places }) {
         Some(Places::Shared) => files.extend([rectangles, shared]),
         Some(Places::Middle) => files.extend([rectangles, middle_tint, each]),
         Some(Places::Each) => files.extend([rectangles, each_tint, each]),
         None => files.push(no_rectangles),
     }
     let [all, screen] = slots!["open_all", "open_screen"];
-    files.extend([if lit.hidden { screen } else { all }, sky, shade]);
+    files.extend([if lit.hidden { screen } else { all }, sky]);
+    if lit.sky == Sky::Image {
+        let [mirror, orders] = slots!["sky_mirror", "sky_orders"];
+        files.push(if grating { orders } else { mirror });
+    }
+    files.push(shade);
     if has.recorded {
         files.push(deferred);
     } else {
@@ -184,10 +193,12 @@ mod tests {
         validator.validate(module).map_err(|e| format!("{:?}", e.into_inner()))
     }
 
-    fn features() -> [SceneFeatures; 4] {
+    fn features() -> [SceneFeatures; 6] {
         let film = SceneFeatures { film: true, interface: true, base: true, ..SceneFeatures::default() };
         let map = SceneFeatures { thickness_map: true, absorber: true, ..film };
-        [SceneFeatures::default(), film, map, SceneFeatures { dispersion: true, ..map }]
+        let dispersed = SceneFeatures { dispersion: true, ..map };
+        let ridges = |features| SceneFeatures { grating: true, ..features };
+        [SceneFeatures::default(), film, map, dispersed, ridges(map), ridges(dispersed)]
     }
 
     fn all() -> Vec<Vec<Slot>> {
@@ -260,6 +271,7 @@ mod tests {
                 ("tangents", "deferred"),
                 ("relief_map", "relief"),
                 ("film_table", "film_table"),
+                ("order_shares", "gloss_grating"),
                 ("picture", "surroundings_image"),
             ] {
                 assert_eq!(bound(variable), files.iter().any(|f| f.name == file), "{variable} in {files:?}");

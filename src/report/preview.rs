@@ -1,5 +1,7 @@
 //! The report on the preview: its pictures against the path tracer's, and what every shortcut of it saves and costs.
 
+mod gratings;
+
 use std::time::Instant;
 
 use glam::Vec3;
@@ -203,6 +205,15 @@ pub fn report(
         figure,
         "Film thickness, and optical depth of the layer: preview, path tracer (direct light).",
     );
+
+    watch(0.92, "gratings");
+    page.heading("Gratings");
+    page.prose(
+        "Ridges on the same skin, drawn by so many wavelengths; 0 is without ridges. The path tracer sums over 32, without \
+         the tents that the preview has between its own."
+            .to_owned(),
+    );
+    page.table(gratings::table(gpu, plain, &options, &sizes)?);
 
     watch(0.95, "snakes");
     let mut table =

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use glam::Vec3;
 use ophidian::base::{Domain, LinearRgb, MapKind, num};
 use ophidian::maps::{SetId, assemble};
-use ophidian::optics::cie;
+use ophidian::optics::{Grating, cie};
 use ophidian::plan::Plan;
 use ophidian::preview::{Gpu, Options, PreviewError, Renderer};
 use ophidian::reference::{self, Control, Settings, Transport};
@@ -96,30 +96,43 @@ fn a_preview_is_the_path_tracers_picture_of_direct_light() {
 #[test]
 fn dispersion_is_drawn_as_it_is_traced() {
     // Without dispersion in either it is 1.2 in this light.
-    const MOST: f64 = 2.0;
-    let Some(gpu) = gpu() else { return };
     let (spec, mut scene) = scene("sphere");
     let skin = &mut scene.materials[0];
     (skin.thickness_nm, skin.constants.indices) = (600.0, [1.0, 1.55, 2.0]);
     skin.constants.dispersion_nm2 = [58_900.0, 58_900.0];
-    let size = [64, 64];
-    let settings = direct_light(size, 128);
-    let film = reference::Renderer::new(&scene).expect("a sound scene").render(&settings, Control::default());
-    let apart = |scene: &Scene| {
-        let mut renderer = Renderer::new(&gpu, scene, &open(&gpu)).expect("it fits");
+    let mut without = scene.clone();
+    without.materials[0].constants.dispersion_nm2 = [0.0; 2];
+    only_the_first_is_near_its_trace(&spec, [scene, without], [64, 64], 2.0);
+}
+
+/// And gratings, whose spectra are those of the rectangles of a studio.
+#[test]
+fn gratings_are_drawn_as_they_are_traced() {
+    let (spec, mut scene) = scene("sphere");
+    let grating = Grating { period_nm: 1000.0, height_nm: 80.0, direction_rad: 1.0 };
+    scene.materials[0].constants.grating = Some(grating);
+    let mut without = scene.clone();
+    without.materials[0].constants.grating = None;
+    only_the_first_is_near_its_trace(&spec, [scene, without], [32, 32], 2.5);
+}
+
+/// Mean CIEDE2000 beside silhouettes, of what is traced against the same drawn, and against another scene drawn.
+fn only_the_first_is_near_its_trace(spec: &SceneSpec, scenes: [Scene; 2], size: [usize; 2], most: f64) {
+    let Some(gpu) = gpu() else { return };
+    let film = reference::Renderer::new(&scenes[0])
+        .expect("a sound scene")
+        .render(&direct_light(size, 128), Control::default());
+    let [right, wrong] = scenes.map(|scene| {
+        let mut renderer = Renderer::new(&gpu, &scene, &open(&gpu)).expect("it fits");
         let picture = renderer.render(&scene.camera, size).expect("a picture");
-        assert_eq!(renderer.left_out(), [""; 0]);
         let mut errors = ColorErrors::default();
         for (texel, pixel) in picture.texels.iter().zip(&film.pixels).filter(|(_, p)| sees_one_surface(p)) {
-            errors.add(shown(&spec, *texel), shown(&spec, pixel.rgb()));
+            errors.add(shown(spec, *texel), shown(spec, pixel.rgb()));
         }
         errors.delta_e_mean()
-    };
-    let right = apart(&scene);
-    scene.materials[0].constants.dispersion_nm2 = [0.0; 2];
-    let wrong = apart(&scene);
-    println!("{right}, without dispersion {wrong}");
-    assert!(right <= MOST && wrong > MOST, "{right} {wrong}");
+    });
+    println!("{right}, another scene {wrong}");
+    assert!(right <= most && wrong > most, "{right} {wrong}");
 }
 
 /// With maps, too, where pixels have the samples that bumps smaller than a pixel need: CIEDE2000 and FLIP. With one sample both

@@ -1,6 +1,6 @@
 // The same index everywhere: nothing is reflected.
 
-fn gloss_tint(s: Skin, wi: vec3f) -> vec3f {
+fn gloss_tint(s: Skin, wi: vec3f, spread: f32) -> vec3f {
     return vec3f(0.0);
 }
 

@@ -64,14 +64,14 @@ fn skin_eval(s: Skin, wi: vec3f) -> vec3f {
 
 // The BRDF times the cosine, 1/sr: radiance to the eye per irradiance on a surface that faces the light.
 fn skin_shine(s: Skin, wi: vec3f) -> vec3f {
-    let tints = skin_tints(s, wi);
+    let tints = skin_tints(s, wi, 0.0);
     let lobes = skin_lobes(s, wi, 0.0);
     return tints.gloss * lobes.x + tints.base * lobes.y;
 }
 
-// The same in two parts: colours, which are nearly the same over all of a light, ...
-fn skin_tints(s: Skin, wi: vec3f) -> Tints {
-    return Tints(gloss_tint(s, wi), base_tint(s, wi.z));
+// The same in two parts: colours, which are nearly the same over all of a light (but for gratings), ...
+fn skin_tints(s: Skin, wi: vec3f, spread: f32) -> Tints {
+    return Tints(gloss_tint(s, wi, spread), base_tint(s, wi.z));
 }
 
 // ... and numbers, which are not: of the gloss, whose alpha^2 grows by `spread`, and of the base.

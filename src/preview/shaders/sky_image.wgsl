@@ -23,10 +23,14 @@ fn sky_light(skin: Skin, open: Open, facet: vec3f, a: Axes) -> vec3f {
     let over = saturate(0.5 + 0.5 * dot(mirrored, facet) / max(skin_alpha(skin), 0.02));
     let above = min(over, clear_of(open, mirrored, skin_alpha(skin)));
     let layer = min(rough * (frame.sky_layers - 1.0), frame.sky_layers - 1.0);
+    return skin_ambient(skin, irradiance, sky_mirrored(skin, a, mirrored, layer) * above);
+}
+
+// The sky in a direction, between the layers of two roughnesses.
+fn sky_rough(direction: vec3f, layer: f32) -> vec3f {
     let low = u32(layer);
     let high = min(low + 1u, u32(frame.sky_layers) - 1u);
-    let gloss = mix(sky_layer(mirrored, low), sky_layer(mirrored, high), layer - f32(low));
-    return skin_ambient(skin, irradiance, gloss * above);
+    return mix(sky_layer(direction, low), sky_layer(direction, high), layer - f32(low));
 }
 
 // What a lamp hides: the mean over about as much as one covers.

@@ -17,6 +17,6 @@ fn gather(g: ptr<function, Gathered>, skin: Skin, wi: vec3f, spread: f32, share:
 
 // Radiance to the eye, where each that is seen sends `light`, and each hides `behind`.
 fn gathered(g: Gathered, skin: Skin, light: vec3f, behind: vec3f) -> vec3f {
-    let tints = skin_tints(skin, g.middle * inverseSqrt(max(dot(g.middle, g.middle), 1e-30)));
+    let tints = skin_tints(skin, g.middle * inverseSqrt(max(dot(g.middle, g.middle), 1e-30)), 0.0);
     return tints.gloss * (light * g.seen.x - behind * g.all.x) + tints.base * (light * g.seen.y - behind * g.all.y);
 }
