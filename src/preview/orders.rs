@@ -14,6 +14,17 @@
 //! Shares are those of [`crate::optics::grating`]. They jump where an order sets, which a table over directions would blur.
 //! All directions that exchange light lie in a row, in steps of `lambda/P`, the outermost two less than a step from the
 //! horizon. By how many there are, and by the roots of those two distances, shares are smooth: so are the tables.
+//!
+//! Mean errors against `optics` by 800 wavelengths in f64, of lights near the spectra, as shares of their greatest channel;
+//! `cargo test --lib gratings_are -- --nocapture` tells them:
+//!
+//! | Period, height, nm | Roughness | 8 | 16 | 32 wavelengths | Sum over 32 (`optics` in RGB) |
+//! | --- | --- | --- | --- | --- | --- |
+//! | TABLE |
+//!
+//! What is an approximation beside: lobes of less than 1e-3 are left out; a small light's width spreads all orders as it does
+//! a mirror's; light from all around is asked for in the direction of each order as far as the lobe is wide, and its colour
+//! multiplied with the film's; where it is the same everywhere, orders change nothing, as shares sum to 1.
 
 use rayon::prelude::*;
 

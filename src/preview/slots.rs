@@ -9,7 +9,7 @@
 //! | film under maps | the material's own, or `film_table` in its place |
 //! | suns | `suns_none`, `suns` |
 //! | rectangles | `rectangles_none`, or `rectangles` with `places_shared`, or with `places_each` and the next |
-//! | colours of small lights | `tints_middle`, `tints_each`; of a grating each in its own |
+//! | colours of small lights | `tints_middle`, `tints_each` |
 //! | light from all around | `sky_none`, `sky_even`, or `sky_image` with the next |
 //! | what of it gloss mirrors | `sky_mirror`, or of a grating `sky_orders` |
 //! | what hides it | `open_all`, or `open_screen` with the passes of occlusion.rs |
@@ -118,7 +118,7 @@ pub(super) fn files(program: &SkinProgram, has: Has, lit: Lit) -> Vec<Slot> {
     files.extend([surface, suns]);
     let [each, shared, middle_tint, each_tint] =
         slots!["places_each", "places_shared", "tints_middle", "tints_each"];
-    match lit.rectangles.map(|places| if grating { Places::Each } else { places }) {
+    match lit.rectangles {
         Some(Places::Shared) => files.extend([rectangles, shared]),
         Some(Places::Middle) => files.extend([rectangles, middle_tint, each]),
         Some(Places::Each) => files.extend([rectangles, each_tint, each]),

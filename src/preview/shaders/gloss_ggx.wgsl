@@ -1,10 +1,12 @@
 // What the film reflects, by its microfacets: `optics::ggx`.
 
-fn gloss_tint(s: Skin, wi: vec3f, spread: f32) -> vec3f {
+alias Lobe = f32;
+
+fn gloss_tint(s: Skin, wi: vec3f) -> vec3f {
     return film_reflect(s.film, dot(s.wo, half_way(s, wi)));
 }
 
-fn gloss_lobe(s: Skin, wi: vec3f, spread: f32) -> f32 {
+fn gloss_lobe(s: Skin, wi: vec3f, spread: f32) -> Lobe {
     if wi.z <= 0.0 {
         return 0.0;
     }

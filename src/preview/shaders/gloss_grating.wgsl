@@ -1,5 +1,5 @@
-// What the film reflects where ridges diffract: `optics::grating`, see orders.rs. Its colour is of a light and not of the
-// material, so that all of it is in the tint.
+// What the film reflects where ridges diffract: `optics::grating`, see orders.rs. Colours are another light's as soon as
+// it is elsewhere, so that they are all in the lobe.
 
 // For each wavelength a column (nm, weights in red, green, blue), (lambda/P, first row of its shares, step of lambda/P, 0); the
 // last one has the direction across the ridges, and how many patches shares have along a side.
@@ -7,25 +7,34 @@
 // Shares that directions exchange: a row for each pair, in it patches of four corners.
 @group(1) @binding(7) var order_shares: texture_2d<f32>;
 
-fn gloss_lobe(s: Skin, wi: vec3f, spread: f32) -> f32 {
-    return select(0.0, 1.0, wi.z > 0.0);
+alias Lobe = vec3f;
+
+// What is less is left out, 1/sr, before the film's reflectance: tails of many orders.
+const LEAST_LOBE = 1e-3;
+
+fn gloss_tint(s: Skin, wi: vec3f) -> vec3f {
+    return vec3f(1.0);
 }
 
-fn gloss_tint(s: Skin, wi: vec3f, spread: f32) -> vec3f {
+fn gloss_lobe(s: Skin, wi: vec3f, spread: f32) -> Lobe {
     if wi.z <= 0.0 || s.wo.z <= 0.0 {
         return vec3f(0.0);
     }
     let last = textureDimensions(order_nodes).x - 1u;
     let ridges = textureLoad(order_nodes, vec2u(last, 0u), 0);
-    let pair = Pair(along_ridges(wi, ridges.xy), along_ridges(s.wo, ridges.xy), min(s.alpha_2 + spread, 1.0));
+    let a2 = min(s.alpha_2 + spread, 1.0);
+    let scale = 4.0 / PI * a2 * ggx_visibility(a2, max(wi.z, 1e-7), max(s.wo.z, 1e-7)) * wi.z;
+    let least = LEAST_LOBE / max(scale, 1e-30);
+    let pair = Pair(along_ridges(wi, ridges.xy), along_ridges(s.wo, ridges.xy), a2, least);
     let x = material.indices.x * usable_cosine(dot(s.wo, half_way(s, wi)));
     var rgb = vec3f(0.0);
     for (var k = 0u; k < last; k++) {
         let node = textureLoad(order_nodes, vec2u(k, 0u), 0);
         let lobe = order_lobes(pair, textureLoad(order_nodes, vec2u(k, 1u), 0).xyz, ridges.z);
-        rgb += node.yzw * (lobe * film_power(s.film, x, node.x));
+        if lobe > 0.0 {
+            rgb += node.yzw * (lobe * film_power(s.film, x, node.x));
+        }
     }
-    let scale = 4.0 / PI * pair.alpha_2 * ggx_visibility(pair.alpha_2, pair.wi.z, pair.wo.z) * wi.z;
     return max(rgb, vec3f(0.0)) * scale;
 }
 
@@ -38,6 +47,8 @@ struct Pair {
     wi: vec3f,
     wo: vec3f,
     alpha_2: f32,
+    // Least part that matters.
+    least: f32,
 }
 
 // All orders of a wavelength: sum_m min(e_m(wi), e_m(wo)) (v_m.wi) (v_m.wo)/(u^2 + c^2)^2, where u is `v_m` across the ridges,
@@ -57,8 +68,10 @@ fn order_lobes(pair: Pair, place: vec3f, patches: f32) -> f32 {
         let cosines = 0.5 * dot(q, q) - by * vec2f(pair.wi.x, pair.wo.x);
         if all(cosines > vec2f(0.0)) {
             let facets = mean_facets((q.x - by) * over, near_2, abs(f32(m)) * place.z * over);
-            let share = min(order_share(here, m, place.y, patches), order_share(there, m, place.y, patches));
-            sum += share * facets * (cosines.x * over * over) * (cosines.y * over * over);
+            let part = facets * (cosines.x * over * over) * (cosines.y * over * over);
+            if part > pair.least {
+                sum += part * min(order_share(here, m, place.y, patches), order_share(there, m, place.y, patches));
+            }
         }
     }
     return sum;

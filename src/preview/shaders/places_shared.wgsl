@@ -7,8 +7,8 @@ struct Quarters {
     seen: vec3f,
     all: vec3f,
     // Lobes of gloss.
-    gloss_seen: f32,
-    gloss_all: f32,
+    gloss_seen: Lobe,
+    gloss_all: Lobe,
 }
 
 fn one_rectangle(
@@ -63,7 +63,7 @@ fn one_rectangle(
     // All in one colour: that of the middle of what is seen of it; where nothing is seen, of all.
     let middle = g.seen + 1e-3 * g.all;
     let wi = middle * inverseSqrt(max(dot(middle, middle), 1e-30));
-    let tints = skin_tints(skin, wi, r.spread);
+    let tints = skin_tints(skin, wi);
     let lobe = base_lobe(skin, wi.z);
     // The rectangle hides what is behind it, also where it is not seen itself: the environment shines through objects.
     let behind = sky_behind(normalize(r.center - position)) * (r.cell.x * r.cell.y);

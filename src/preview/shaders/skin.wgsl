@@ -42,6 +42,12 @@ struct Tints {
     base: vec3f,
 }
 
+// And by how much: a number, or of a grating three.
+struct Lobes {
+    gloss: Lobe,
+    base: f32,
+}
+
 fn skin_view(p: SurfacePoint, wo: vec3f) -> Skin {
     var s: Skin;
     s.wo = wo;
@@ -64,22 +70,22 @@ fn skin_eval(s: Skin, wi: vec3f) -> vec3f {
 
 // The BRDF times the cosine, 1/sr: radiance to the eye per irradiance on a surface that faces the light.
 fn skin_shine(s: Skin, wi: vec3f) -> vec3f {
-    let tints = skin_tints(s, wi, 0.0);
+    let tints = skin_tints(s, wi);
     let lobes = skin_lobes(s, wi, 0.0);
-    return tints.gloss * lobes.x + tints.base * lobes.y;
+    return tints.gloss * lobes.gloss + tints.base * lobes.base;
 }
 
-// The same in two parts: colours, which are nearly the same over all of a light (but for gratings), ...
-fn skin_tints(s: Skin, wi: vec3f, spread: f32) -> Tints {
-    return Tints(gloss_tint(s, wi, spread), base_tint(s, wi.z));
+// The same in two parts: colours, which are nearly the same over all of a light ...
+fn skin_tints(s: Skin, wi: vec3f) -> Tints {
+    return Tints(gloss_tint(s, wi), base_tint(s, wi.z));
 }
 
 // ... and numbers, which are not: of the gloss, whose alpha^2 grows by `spread`, and of the base.
-fn skin_lobes(s: Skin, wi: vec3f, spread: f32) -> vec2f {
+fn skin_lobes(s: Skin, wi: vec3f, spread: f32) -> Lobes {
     if s.wo.z <= 0.0 {
-        return vec2f(0.0);
+        return Lobes();
     }
-    return vec2f(gloss_lobe(s, wi, spread), base_lobe(s, wi.z));
+    return Lobes(gloss_lobe(s, wi, spread), base_lobe(s, wi.z));
 }
 
 // Radiance to the eye by light from all around: the base by the irradiance over pi, the gloss by the radiance around the

@@ -34,9 +34,9 @@ fn one_sun(sun: Sun, i: u32, skin: Skin, position: vec3f, facet: vec3f, a: Axes)
         let reached = sun_reaches(sun, i, position + facet * (SHADOW_LIFT * sun.texel));
         if reached > 0.0 {
             let wi = direction * a;
-            let tints = skin_tints(skin, wi, sun.spread);
-            let lobes = skin_lobes(skin, wi, sun.spread) * reached;
-            return (tints.gloss * lobes.x + tints.base * lobes.y) * sun.irradiance;
+            let tints = skin_tints(skin, wi);
+            let lobes = skin_lobes(skin, wi, sun.spread);
+            return (tints.gloss * lobes.gloss + tints.base * lobes.base) * (sun.irradiance * reached);
         }
     }
     return vec3f(0.0);

@@ -7,9 +7,9 @@ struct Gathered {
 }
 
 fn gather(g: ptr<function, Gathered>, skin: Skin, wi: vec3f, spread: f32, share: f32, seen: f32) {
-    let tints = skin_tints(skin, wi, spread);
-    let lobes = skin_lobes(skin, wi, spread) * share;
-    let light = tints.gloss * lobes.x + tints.base * lobes.y;
+    let tints = skin_tints(skin, wi);
+    let lobes = skin_lobes(skin, wi, spread);
+    let light = (tints.gloss * lobes.gloss + tints.base * lobes.base) * share;
     (*g).seen += light * seen;
     (*g).all += light;
 }

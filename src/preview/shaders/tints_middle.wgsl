@@ -2,21 +2,24 @@
 
 struct Gathered {
     // Lobes of those that are seen, and of all.
-    seen: vec2f,
-    all: vec2f,
+    seen: Lobes,
+    all: Lobes,
     middle: vec3f,
 }
 
 fn gather(g: ptr<function, Gathered>, skin: Skin, wi: vec3f, spread: f32, share: f32, seen: f32) {
-    let lobes = skin_lobes(skin, wi, spread) * share;
-    (*g).seen += lobes * seen;
-    (*g).all += lobes;
+    let lobes = skin_lobes(skin, wi, spread);
+    (*g).seen.gloss += lobes.gloss * (share * seen);
+    (*g).seen.base += lobes.base * (share * seen);
+    (*g).all.gloss += lobes.gloss * share;
+    (*g).all.base += lobes.base * share;
     // Where none is seen, that of all.
     (*g).middle += wi * (share * (seen + 1e-3));
 }
 
 // Radiance to the eye, where each that is seen sends `light`, and each hides `behind`.
 fn gathered(g: Gathered, skin: Skin, light: vec3f, behind: vec3f) -> vec3f {
-    let tints = skin_tints(skin, g.middle * inverseSqrt(max(dot(g.middle, g.middle), 1e-30)), 0.0);
-    return tints.gloss * (light * g.seen.x - behind * g.all.x) + tints.base * (light * g.seen.y - behind * g.all.y);
+    let tints = skin_tints(skin, g.middle * inverseSqrt(max(dot(g.middle, g.middle), 1e-30)));
+    return tints.gloss * (light * g.seen.gloss - behind * g.all.gloss)
+        + tints.base * (light * g.seen.base - behind * g.all.base);
 }
