@@ -81,7 +81,9 @@ impl SkinProgram {
         let base = features.base && options.parts != Parts::Specular;
         // Something that light goes through, or is reflected by.
         let layers = gloss || (base && !matt);
-        let film = features.film && layers;
+        let grating = features.grating && gloss;
+        // A grating without a film is shaded as one of thickness 0: Mesa 22.3 crashes over `film_none` with ridges.
+        let film = (features.film || grating) && layers;
         let coupled = features.coupled_energy && features.interface && base && !matt;
         let one = |yes: bool, [if_yes, if_no]: [Slot; 2]| if yes { if_yes } else { if_no };
 
@@ -90,7 +92,6 @@ impl SkinProgram {
             slots.extend(slots!["fresnel"]);
         }
         let dispersed = features.dispersion && layers;
-        let grating = features.grating && gloss;
         if dispersed || grating {
             slots.extend(slots!["airy"]);
         }

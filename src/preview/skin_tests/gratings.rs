@@ -112,7 +112,10 @@ fn gratings_are_those_of_optics() {
              ridges 5 % wider {wrong:.4}, 32 of `optics` {:.4}",
             apart(&rgb, &right)
         );
-        assert!(at[1] < 0.04 && at[2] < 0.02 && wrong > 3.0 * at[1], "{grating:?}: {at:?} {wrong}");
+        let gaps = apart(&rgb, &right);
+        assert!(at[1] < 0.06 && at[2] < 0.02 && wrong > 3.0 * at[1], "{grating:?}: {at:?} {wrong}");
+        // Where the lobe is narrower than the way between wavelengths, a plain sum has gaps, and tents have none.
+        assert!(roughnesses[0] >= 0.1 || gaps > 2.0 * at[1], "{gaps} {at:?}");
     }
 }
 
