@@ -128,11 +128,13 @@ pub(super) fn run(args: &Preview) -> Result<Exit, Failure> {
     let pixels = pool.install(|| screen(&drawn.texels, args.tone.unwrap_or(spec.render.tone), exposure));
     io::write_picture(&args.output, size, &pixels)?;
     drop(progress);
-    if args.parallax.is_some() && !drawn.gpu {
-        render::warning(
-            "the picture is without parallax: the path tracer drew it",
-            "--displace moves the surface itself",
-        );
+    let relief = drawn.resources.iter().any(|(name, _)| name == "relief");
+    if args.parallax.is_some_and(|amount| amount != 0.0) && !relief {
+        let (why, help) = match drawn.gpu {
+            true => ("the skin has no relief", "it needs a height map that is not even, and a finite amount"),
+            false => ("the path tracer drew it", "--displace moves the surface itself"),
+        };
+        render::warning(&format!("the picture is without parallax: {why}"), help);
     }
     if args.json || !args.quiet {
         let seconds = start.elapsed().as_secs_f64();

@@ -123,9 +123,9 @@ pub(super) struct Runner<'a> {
     planes: Vec<Option<Plane>>,
     /// Of lanes that are made slab by slab.
     pub(super) windows: Vec<Option<Window>>,
-    pub(super) pool: Vec<Vec<f32>>,
+    pool: Vec<Vec<f32>>,
     /// Rows of scratch lanes that bands work in, kept from stage to stage.
-    pub(super) scratch: Kept<Vec<Vec<f32>>>,
+    scratch: Kept<Vec<Vec<f32>>>,
     prepared: Vec<Option<Prepared>>,
     /// Maps that are still to show each lane.
     shown_by: BTreeMap<usize, usize>,
@@ -176,6 +176,12 @@ impl<'a> Runner<'a> {
             total_cost: plan.steps.iter().map(Step::cost_ns).sum::<f32>().max(1e-9),
             done_cost: AtomicU64::new(0),
         }
+    }
+
+    /// End, and give the pages back beside the caller, who can go on: so many take milliseconds.
+    pub(super) fn end(self) {
+        let Self { windows, pool, scratch, .. } = self;
+        rayon::spawn(move || drop((windows, pool, scratch)));
     }
 
     /// A plane whose contents will all be written.

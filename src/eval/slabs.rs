@@ -106,9 +106,7 @@ pub fn run_slabs<E>(
         wanted = ready(&maps, end).map_err(Stopped::By)?;
         runner.check().map_err(Stopped::Cancelled)?;
     }
-    // Giving back that many pages takes milliseconds, in which the caller can go on.
-    let Runner { windows, pool, scratch, .. } = runner;
-    rayon::spawn(move || drop((windows, pool, scratch)));
+    runner.end();
     Ok(())
 }
 
