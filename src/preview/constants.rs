@@ -15,8 +15,9 @@ pub(super) fn text(lamps: &Lamps) -> String {
     });
     let rectangle = lamps.rectangles.first().map(|rectangle| {
         let Rectangle { x, first, y, count, z, spread, center, texel, light, scale, .. } = rectangle;
-        let Rectangle { depth, cell, pivot, over, padding, corner, padding_2, low_steps, high_steps, .. } =
-            rectangle;
+        let Rectangle {
+            depth, cell, pivot, over, padding, corner, half_sides, low_steps, high_steps, ..
+        } = rectangle;
         let members = [
             vector(x),
             format!("{first}u"),
@@ -34,7 +35,7 @@ pub(super) fn text(lamps: &Lamps) -> String {
             number(*over),
             number(*padding),
             vector(corner),
-            vector(padding_2),
+            vector(half_sides),
             vector(low_steps),
             vector(high_steps),
         ];

@@ -3,7 +3,8 @@
 //!
 //! A layer is the octahedron unfolded into a square (Engelhardt & Dachsbacher 2008), with texel centres on its edges. Each
 //! texel is a sum over few directions of a lobe, each read from a level of the picture about as coarse as the directions are
-//! far apart (Krivanek & Colbert, GPU Gems 3, ch. 20); the directions are the same for all texels.
+//! far apart (Krivanek & Colbert, GPU Gems 3, ch. 20); the directions are the same for all texels. Irradiance is a sum over all
+//! of a coarse level.
 
 use std::f32::consts::PI;
 
@@ -20,8 +21,10 @@ use crate::scene::{Environment, EnvironmentImage, Scene};
 pub(super) const SIDE: usize = 128;
 /// Layers of roughness, from 0 to 1.
 pub(super) const LAYERS: usize = 8;
-/// Directions of a lobe, and of a hemisphere.
+/// Directions of a lobe.
 const DIRECTIONS: usize = 48;
+/// Most columns of the level that irradiance is a sum over.
+const COSINE_COLUMNS: usize = 64;
 /// Columns of the sharpest level that is filtered.
 const MOST_COLUMNS: usize = 1024;
 /// Most radiance that a half holds.
@@ -35,22 +38,19 @@ pub(super) fn layers(scene: &Scene) -> Option<Vec<f16>> {
         return None;
     }
     let levels = levels(picture.as_ref().clone());
-    let lobes: Vec<Vec<Direction>> = (0..LAYERS)
-        .map(|i| gloss(i as f32 / (LAYERS - 1) as f32, &levels))
-        .chain(std::iter::once(hemisphere(&levels)))
-        .collect();
-    let mut out = vec![f16::ZERO; 4 * SIDE * SIDE * lobes.len()];
+    let lobes: Vec<Vec<Direction>> =
+        (0..LAYERS).map(|i| gloss(i as f32 / (LAYERS - 1) as f32, &levels)).collect();
+    let coarse = levels.iter().find(|level| level.width <= COSINE_COLUMNS).or(levels.last())?;
+    let patches = patches(coarse);
+    let mut out = vec![f16::ZERO; 4 * SIDE * SIDE * (LAYERS + 1)];
     out.par_chunks_mut(4 * SIDE).enumerate().for_each(|(row, texels)| {
-        let (lobe, y) = (&lobes[row / SIDE], row % SIDE);
+        let y = row % SIDE;
         for (x, texel) in texels.chunks_exact_mut(4).enumerate() {
             let normal = unfolded(x, y);
-            let (s, t) = normal.any_orthonormal_pair();
-            let axes = Mat3::from_cols(s, t, normal);
-            let mut sum = [0.0; 3];
-            for d in lobe {
-                let LinearRgb(c) = levels[d.level].radiance(axes * d.towards);
-                (0..3).for_each(|i| sum[i] += d.weight * c[i]);
-            }
+            let sum = match lobes.get(row / SIDE) {
+                Some(lobe) => blurred(&levels, lobe, normal),
+                None => by_cosine(&patches, normal),
+            };
             (0..3).for_each(|i| texel[i] = f16::from_f32(sum[i].min(BRIGHTEST)));
         }
     });
@@ -122,16 +122,38 @@ fn gloss(roughness: f32, levels: &[EnvironmentImage]) -> Vec<Direction> {
     )
 }
 
-/// All directions above the horizon, by the cosine: irradiance over pi.
-fn hemisphere(levels: &[EnvironmentImage]) -> Vec<Direction> {
-    weighted(
-        (0..4 * DIRECTIONS).map(|i| {
-            let (u, around) = point(i);
-            let towards = towards((1.0 - u).sqrt(), around);
-            (towards, 1.0, towards.z / PI)
-        }),
-        levels,
-    )
+/// What a lobe around `normal` sees.
+fn blurred(levels: &[EnvironmentImage], lobe: &[Direction], normal: Vec3) -> [f32; 3] {
+    let (s, t) = normal.any_orthonormal_pair();
+    let axes = Mat3::from_cols(s, t, normal);
+    lobe.iter().fold([0.0; 3], |sum, d| {
+        let LinearRgb(c) = levels[d.level].radiance(axes * d.towards);
+        [0, 1, 2].map(|i| sum[i] + d.weight * c[i])
+    })
+}
+
+/// A part of the sky: the direction of its middle, and its radiance times its solid angle over pi.
+type Patch = (Vec3, [f32; 3]);
+
+/// The texels of a picture.
+fn patches(picture: &EnvironmentImage) -> Vec<Patch> {
+    let (width, height) = (picture.width, picture.height);
+    let patch = |i: usize| {
+        let (x, y) = (i % width, i / width);
+        let [top, bottom] = [y, y + 1].map(|y| num::cos_turns(0.5 * y as f32 / height as f32));
+        let angle = 2.0 * (top - bottom) / width as f32;
+        (picture.direction(x, y), picture.texels[i].map(|c| c * angle))
+    };
+    (0..width * height).map(patch).collect()
+}
+
+/// Irradiance over pi of a surface that faces along `normal`: all of the sky, as its cosine is so wide that few directions leave
+/// half a percent, which is seen on what is even.
+fn by_cosine(patches: &[Patch], normal: Vec3) -> [f32; 3] {
+    patches.iter().fold([0.0; 3], |sum, (towards, light)| {
+        let cosine = normal.dot(*towards).max(0.0);
+        [0, 1, 2].map(|i| sum[i] + cosine * light[i])
+    })
 }
 
 /// Directions with their weight and density as a lobe, those below the horizon left out.

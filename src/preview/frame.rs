@@ -30,12 +30,12 @@ pub(super) struct FrameUniform {
     pub(super) place_step: u32,
     /// Mean radiance of the environment.
     pub(super) even: [f32; 3],
-    /// Added to the level of maps: 0 for a whole pixel, less where a pixel is drawn more than once.
+    /// Added to the level of maps that a pixel covers.
     pub(super) sharper: f32,
     /// ... and where within its part of the rectangle it is, from -1/2 to 1/2.
     pub(super) place_shift: [f32; 2],
-    /// Turns pictures that are averaged apart, in the noise of their openings to the environment: in [0, 1).
-    pub(super) turn: f32,
+    /// Which of the pictures that are averaged.
+    pub(super) sample: u32,
     /// Depth times distance.
     pub(super) near: f32,
 }

@@ -66,8 +66,8 @@ pub(super) struct Rectangle {
     pub(super) padding: f32,
     /// Sixteen small lights are at the first one's place and, for each bit of the index, ...
     pub(super) corner: [f32; 2],
-    /// To 16 bytes.
-    pub(super) padding_2: [f32; 2],
+    /// Half of its sides.
+    pub(super) half_sides: [f32; 2],
     /// ... a step: of bits 0 and 1, ...
     pub(super) low_steps: [f32; 4],
     /// ... of 2 and 3.
@@ -104,8 +104,8 @@ pub(super) struct Lamps {
 }
 
 impl Lamps {
-    /// The lights of a scene; each rectangle becomes `per_rectangle` small ones, or as many as there is room for, each of
-    /// which is at `shifts` places of its part of the rectangle in turn. Shadow maps of suns and of rectangles have so many
+    /// The lights of a scene; each rectangle becomes `per_rectangle` small ones, or as many as there is room for, rounded down to a
+    /// power of two, each of which is at `shifts` places of its part of the rectangle in turn. Shadow maps of suns and of rectangles have so many
     /// texels a side and hold what `casters` has.
     ///
     /// # Errors
@@ -123,7 +123,8 @@ impl Lamps {
         }
         let mut all = Self::default();
         let rectangles = scene.lights.iter().filter(|l| matches!(l, Light::Area { .. })).count();
-        let per_rectangle = per_rectangle.clamp(1, MOST_PLACES / rectangles.max(1));
+        // A power of two: so many parts of a rectangle have one point of Hammersley's set each.
+        let per_rectangle = 1_usize << per_rectangle.clamp(1, MOST_PLACES / rectangles.max(1)).ilog2();
         let [sun_texels, rectangle_texels] = [sun_size, rectangle_size].map(|size| size.max(1) as f32);
         for light in &scene.lights {
             match *light {
@@ -176,6 +177,8 @@ impl Lamps {
                         project * Mat4::from_translation(-place.extend(0.0)) * look
                     }));
                     let step = |i: usize| places.get(i).map_or(Vec2::ZERO, |place| *place - places[0]);
+                    let half_sides = [u.length(), v.dot(y).abs()];
+                    let columns = (1_usize << count.ilog2().div_ceil(2)) as f32;
                     let steps = |i: usize, j: usize| [step(i).x, step(i).y, step(j).x, step(j).y];
                     all.rectangles.push(Rectangle {
                         x: x.to_array(),
@@ -189,7 +192,8 @@ impl Lamps {
                         light: radiance.0.map(|r| r * area),
                         scale: seen.scale,
                         depth: seen.depth,
-                        cell: [u.length(), v.dot(y).abs()].map(|half| 2.0 * half / (count as f32).sqrt()),
+                        cell: [2.0 * half_sides[0] / columns, 2.0 * half_sides[1] * columns / count as f32],
+                        half_sides,
                         pivot: seen.pivot.to_array(),
                         over: seen.over,
                         corner: places[0].to_array(),

@@ -27,8 +27,8 @@
 //! | 2200, 40 | 0.1 to 0.7 | 0.037 | 0.009 | 0.004 | 0.001 |
 //!
 //! What is an approximation beside: lobes of less than 1e-3 are left out; a small light's width spreads all orders as it does
-//! a mirror's; light from all around is asked for in the direction of each order as far as the lobe is wide, and its colour
-//! multiplied with the film's; where it is the same everywhere, orders change nothing, as shares sum to 1.
+//! a mirror's; light from all around is asked for in the direction of each order as far as the lobe is wide, and
+//! reflected by the film as in the middle of that lobe; where it is the same everywhere, orders change nothing, as shares sum to 1.
 
 use rayon::prelude::*;
 

@@ -13,14 +13,13 @@ use super::frame::{FrameUniform, lens_of};
 use super::lamps::{Casters, Lamps, hammersley};
 use super::mesh::DeviceMesh;
 use super::occlusion::Occlusion;
-use super::options::{self, FEWER_STEP, MOST_STEP, Options};
+use super::options::{FEWER_STEP, MOST_STEP, Options};
 use super::shaded::{self, Room, Shaded};
 use super::shadows::Shadows;
 use super::slots::{Lit, Places, Sky};
 use super::target::{Shading, Target};
 use super::timing::Timing;
 use super::{Gpu, PreviewError, constants, deferred, environment, occlusion, textures};
-use crate::base::num;
 use crate::scene::{Camera, Material, Scene};
 
 /// Linear light, as the scene has it.
@@ -119,7 +118,7 @@ impl<'g> Renderer<'g> {
             discs: lamps.discs.len() as u32,
             sky_layers: environment::LAYERS as f32,
             even: scene.environment.mean_radiance().0,
-            sharper: options::sharper(samples),
+            sharper: options.sharper(),
             ..FrameUniform::zeroed()
         };
         let frame_block = gpu.device.create_buffer(&wgpu::BufferDescriptor {
@@ -135,6 +134,7 @@ impl<'g> Renderer<'g> {
         let sky = match (environment, &sky_view) {
             (false, _) => Sky::Dark,
             (true, None) => Sky::Even,
+            (true, Some(_)) if options.directions() > 0 => Sky::Sampled,
             (true, Some(_)) => Sky::Image,
         };
         let places = match place_step >= FEWER_STEP {
@@ -280,8 +280,7 @@ impl<'g> Renderer<'g> {
             first_place: (offset + block) % self.place_step,
             place_step: self.place_step,
             place_shift: hammersley(block as usize, visits as usize).map(|t| t - 0.5),
-            // As even as can be at any number (the golden ratio).
-            turn: num::fract(0.618_034 * sample as f32),
+            sample,
             ..FrameUniform::new(camera, target.size(), shift, lens_of(sample, self.samples))
         };
         self.gpu.queue.write_buffer(&self.frame_block, 0, bytemuck::bytes_of(&frame));

@@ -133,6 +133,12 @@ fn pipeline(
     if kind.has.relief && !kind.has.recorded {
         constants.push(("RELIEF_STEPS", f64::from(room.options.parallax_steps.max(1))));
     }
+    if files.iter().any(|file| file.name == "sky_lobe") {
+        let directions = room.options.directions();
+        let all = f64::from(directions) * f64::from(room.options.samples.max(1));
+        // A lobe's solid angle goes by the square of its width.
+        constants.extend([("SKY_DIRECTIONS", f64::from(directions)), ("SKY_PART", all.sqrt().recip())]);
+    }
     let (lit, [suns, rectangles]) = (room.lit, room.lamps);
     let counts = [(lit.suns, "SUNS", suns), (lit.rectangles.is_some(), "RECTANGLES", rectangles)];
     constants.extend(counts.iter().filter(|c| c.0).map(|(_, name, count)| (*name, *count as f64)));

@@ -8,10 +8,11 @@
 //! | variation of the film | `width_none`, `width_map` |
 //! | film under maps | the material's own, or `film_table` in its place |
 //! | suns | `suns_none`, `suns` |
-//! | rectangles | `rectangles_none`, or `rectangles` with `places_shared`, or with `places_each` and the next |
+//! | rectangles | `rectangles_none`, or `rectangles` with `places_shared`, `places_lobe`, or `places_each` and the next |
 //! | colours of small lights | `tints_middle`, `tints_each` |
 //! | light from all around | `sky_none`, `sky_even`, or `sky_image` with the next |
-//! | what of it gloss mirrors | `sky_mirror`, or of a grating `sky_orders` |
+//! | what gloss sends of it | `sky_split`, `sky_lobe`, or of a grating `sky_orders` |
+//! | directions of a lobe | `visible_facets` for `places_lobe` or `sky_lobe` |
 //! | what hides it | `open_all`, or `open_screen` with the passes of occlusion.rs |
 //! | who is shaded | `forward`: triangles; `deferred`: pixels that `gbuffer` recorded |
 //! | where triangles read maps | `relief_none`, `relief` |
@@ -46,7 +47,7 @@ pub(super) enum Places {
     Shared,
     /// Each by its own shadow, all in one colour.
     Middle,
-    /// Each in its own colour.
+    /// Each in its own colour, and directions of a lobe where there is one.
     Each,
 }
 
@@ -59,6 +60,8 @@ pub(super) enum Sky {
     Even,
     /// A picture's.
     Image,
+    /// A picture's, in which gloss looks in many directions.
+    Sampled,
 }
 
 /// What a surface has.
@@ -89,7 +92,7 @@ pub(super) fn files(program: &SkinProgram, has: Has, lit: Lit) -> Vec<Slot> {
     let sky = match lit.sky {
         Sky::Dark => dark,
         Sky::Even => even,
-        Sky::Image => image,
+        Sky::Image | Sky::Sampled => image,
     };
     let mut files = vec![frame];
     let series = |slot: &&Slot| {
@@ -118,17 +121,27 @@ pub(super) fn files(program: &SkinProgram, has: Has, lit: Lit) -> Vec<Slot> {
     files.extend([surface, suns]);
     let [each, shared, middle_tint, each_tint] =
         slots!["places_each", "places_shared", "tints_middle", "tints_each"];
+    let lobe = program.has("gloss_ggx");
+    let sampled = lit.sky == Sky::Sampled && lobe;
+    if lobe && (sampled || lit.rectangles == Some(Places::Each)) {
+        files.extend(slots!["visible_facets"]);
+    }
     match lit.rectangles {
         Some(Places::Shared) => files.extend([rectangles, shared]),
         Some(Places::Middle) => files.extend([rectangles, middle_tint, each]),
+        Some(Places::Each) if lobe => files.extend([rectangles, slots!["places_lobe"][0]]),
         Some(Places::Each) => files.extend([rectangles, each_tint, each]),
         None => files.push(no_rectangles),
     }
     let [all, screen] = slots!["open_all", "open_screen"];
     files.extend([if lit.hidden { screen } else { all }, sky]);
-    if lit.sky == Sky::Image {
-        let [mirror, orders] = slots!["sky_mirror", "sky_orders"];
-        files.push(if grating { orders } else { mirror });
+    match lit.sky {
+        Sky::Dark | Sky::Even => {}
+        Sky::Sampled if sampled => files.extend(slots!["sky_lobe"]),
+        Sky::Image | Sky::Sampled => {
+            let [split, orders] = slots!["sky_split", "sky_orders"];
+            files.push(if grating { orders } else { split });
+        }
     }
     files.push(shade);
     if has.recorded {
@@ -210,7 +223,7 @@ mod tests {
                     let suns = bits & 1 == 1;
                     let rectangles =
                         [None, Some(Places::Shared), Some(Places::Middle), Some(Places::Each)][bits / 2];
-                    for sky in [Sky::Dark, Sky::Even, Sky::Image] {
+                    for sky in [Sky::Dark, Sky::Even, Sky::Image, Sky::Sampled] {
                         let hidden = sky != Sky::Dark && (suns ^ maps);
                         let lit = Lit { suns, rectangles, sky, hidden };
                         let has = Has { maps, ..Has::default() };
@@ -276,6 +289,10 @@ mod tests {
             ] {
                 assert_eq!(bound(variable), files.iter().any(|f| f.name == file), "{variable} in {files:?}");
             }
+            // Directions of a lobe are there for those that look in them.
+            let facets = module.functions.iter().any(|(_, f)| f.name.as_deref() == Some("visible_facet"));
+            let looks = files.iter().any(|f| ["sky_lobe", "places_lobe"].contains(&f.name));
+            assert_eq!(facets, looks, "{files:?}");
         }
     }
 
@@ -315,7 +332,7 @@ mod tests {
             even,
             sharper,
             place_shift,
-            turn,
+            sample,
             near
         );
         block!(&skin, "Sun", Sun, direction, spread, irradiance, texel, shadow);
@@ -339,7 +356,7 @@ mod tests {
             over,
             padding,
             corner,
-            padding_2,
+            half_sides,
             low_steps,
             high_steps
         );

@@ -182,6 +182,11 @@ impl EnvironmentImage {
         LinearRgb([num::lerp(a[0], b[0], ty), num::lerp(a[1], b[1], ty), num::lerp(a[2], b[2], ty)])
     }
 
+    /// The direction of the middle of a texel, a unit vector.
+    pub fn direction(&self, x: usize, y: usize) -> Vec3 {
+        direction_of((x as f32 + 0.5) / self.width as f32, (y as f32 + 0.5) / self.height as f32)
+    }
+
     /// Mean radiance over all directions: each texel by its solid angle.
     pub fn mean_radiance(&self) -> LinearRgb {
         let mut sum = [0.0_f64; 3];

@@ -16,11 +16,11 @@ struct Frame {
     place_step: u32,
     // Mean radiance of the environment.
     even: vec3f,
-    // Added to the level of maps.
+    // Added to the level of maps that a pixel covers.
     sharper: f32,
     place_shift: vec2f,
-    // Turns pictures that are averaged apart, in the noise of their openings to the environment.
-    turn: f32,
+    // Which of the pictures that are averaged.
+    sample: u32,
     // Depth times distance.
     near: f32,
 }

@@ -6,15 +6,28 @@
 
 // Part of light at a cosine that the microfacets reflect.
 fn lobe_reflect(film: Film, roughness: f32, cosine: f32) -> vec3f {
+    let nodes = lobe_nodes(roughness, cosine);
+    return nodes.weights.x * film_reflect(film, nodes.cosines.x)
+        + nodes.weights.y * film_reflect(film, nodes.cosines.y)
+        + nodes.weights.z * film_reflect(film, nodes.cosines.z);
+}
+
+// The mirrors.
+struct LobeNodes {
+    weights: vec3f,
+    // To facets.
+    cosines: vec3f,
+}
+
+fn lobe_nodes(roughness: f32, cosine: f32) -> LobeNodes {
     let last = textureDimensions(lobe_table) / vec2u(2u, 1u) - 1u;
     let at = vec2f(sqrt(saturate(cosine)), roughness) * vec2f(last);
     let i = min(vec2u(at), last - 1u);
     let t = at - vec2f(i);
     let one_two = lobe_entry(i, 0u, t);
     let three = lobe_entry(i, 1u, t);
-    return one_two.x * film_reflect(film, one_two.y * one_two.y)
-        + one_two.z * film_reflect(film, one_two.w * one_two.w)
-        + three.x * film_reflect(film, three.y * three.y);
+    let roots = vec3f(one_two.yw, three.y);
+    return LobeNodes(vec3f(one_two.xz, three.x), roots * roots);
 }
 
 fn lobe_entry(i: vec2u, part: u32, t: vec2f) -> vec4f {

@@ -49,8 +49,10 @@ fn search(@builtin(position) clip: vec4f) -> @location(0) vec4f {
     }
     // Sixteen neighbours look into other directions, at other distances.
     let cell = at & vec2i(3);
-    let around = fract(f32(((cell.x + cell.y) & 3) * 4 + cell.x) / 16.0 + frame.turn);
-    let jitter = fract(f32((cell.y - cell.x) & 3) / 4.0 + 0.125 + frame.turn * 7.0);
+    // Pictures that are averaged are turned apart, as evenly as can be at any number (the golden ratio).
+    let turn = fract(0.618034 * f32(frame.sample));
+    let around = fract(f32(((cell.x + cell.y) & 3) * 4 + cell.x) / 16.0 + turn);
+    let jitter = fract(f32((cell.y - cell.x) & 3) / 4.0 + 0.125 + turn * 7.0);
     let right = normalize(frame.right);
     let up = normalize(frame.up);
     let reach = REACH * f32(size.y);

@@ -25,7 +25,7 @@ fn one_rectangle(
     for (var j = first + frame.first_place; j < first + r.count; j += frame.place_step) {
         let place = rectangles.places[j];
         // Shadows are those of the middle of its part.
-        let to = vec3f(place.xy + r.cell * frame.place_shift - p.xy, -p.z);
+        let to = vec3f(place_now(r, place.xy) - p.xy, -p.z);
         if dot(leaning, to) > 0.0 {
             let over = inverseSqrt(dot(to, to));
             let at = (start.xy - place.xy) * scale + place.zw;

@@ -27,7 +27,8 @@ struct Rectangle {
     padding: f32,
     // Sixteen small lights are at the first one's place and, for each bit of the index, a step: of bits 0 and 1, of 2 and 3.
     corner: vec2f,
-    padding_2: vec2f,
+    // Half of its sides.
+    half_sides: vec2f,
     low_steps: vec4f,
     high_steps: vec4f,
 }
@@ -50,6 +51,12 @@ fn rectangle_light(skin: Skin, position: vec3f, facet: vec3f, a: Axes, pixel: Pi
         sum += one_rectangle(rectangles.rectangles[i], rectangles.rectangles[i].first, skin, position, facet, a, pixel);
     }
     return sum;
+}
+
+// Where a small light is in this sample: elsewhere in its own part of the rectangle.
+fn place_now(r: Rectangle, place: vec2f) -> vec2f {
+    let at = (place + r.half_sides) / r.cell;
+    return (floor(at) + fract(at + frame.place_shift)) * r.cell - r.half_sides;
 }
 
 // 1 where small light `j` is seen from what is at `at` in its shadow map, at `depth`.

@@ -88,13 +88,12 @@ fn skin_lobes(s: Skin, wi: vec3f, spread: f32) -> Lobes {
     return Lobes(gloss_lobe(s, wi, spread), base_lobe(s, wi.z));
 }
 
-// Radiance to the eye by light from all around: the base by the irradiance over pi, the gloss by the radiance around the
-// mirror direction, filtered by the lobe of `skin_alpha`.
-fn skin_ambient(s: Skin, irradiance_over_pi: vec3f, prefiltered: vec3f) -> vec3f {
+// Radiance to the eye by light from all around: the base's by the irradiance over pi, and the gloss's.
+fn skin_ambient(s: Skin, irradiance_over_pi: vec3f, gloss: vec3f) -> vec3f {
     if s.wo.z <= 0.0 {
         return vec3f(0.0);
     }
-    return s.base * s.entering * PI * irradiance_over_pi + gloss_ambient(s) * prefiltered;
+    return s.base * s.entering * PI * irradiance_over_pi + gloss;
 }
 
 // Width of the lobe: `optics::ggx::alpha`.

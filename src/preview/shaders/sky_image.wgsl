@@ -16,18 +16,18 @@ fn sky_light(skin: Skin, open: Open, facet: vec3f, a: Axes) -> vec3f {
     // What bumps turn is turned towards the opening as the facet is.
     let seen = normalize(normal + (open.towards - facet));
     let irradiance = mix(frame.even, sky_layer(seen, u32(frame.sky_layers)), one) * share;
-    let to_eye = a * skin.wo;
-    let mirrored = reflect(-to_eye, normal);
-    let rough = sqrt(skin_alpha(skin));
-    // And of a lobe that dips below it, this.
-    let over = saturate(0.5 + 0.5 * dot(mirrored, facet) / max(skin_alpha(skin), 0.02));
-    let above = min(over, clear_of(open, mirrored, skin_alpha(skin)));
-    let layer = min(rough * (frame.sky_layers - 1.0), frame.sky_layers - 1.0);
-    return skin_ambient(skin, irradiance, sky_mirrored(skin, a, mirrored, layer) * above);
+    let clear = clear_of(open, reflect(-(a * skin.wo), normal), skin_alpha(skin));
+    return skin_ambient(skin, irradiance, sky_gloss(skin, facet, a, clear));
 }
 
-// The sky in a direction, between the layers of two roughnesses.
-fn sky_rough(direction: vec3f, layer: f32) -> vec3f {
+// Of a lobe of this width that dips below the facet, this share is above.
+fn lobe_above(direction: vec3f, facet: vec3f, alpha: f32) -> f32 {
+    return saturate(0.5 + 0.5 * dot(direction, facet) / max(alpha, 0.02));
+}
+
+// The sky around a direction as such a lobe blurs it, between the layers of two roughnesses.
+fn sky_blurred(direction: vec3f, alpha: f32) -> vec3f {
+    let layer = min(sqrt(alpha) * (frame.sky_layers - 1.0), frame.sky_layers - 1.0);
     let low = u32(layer);
     let high = min(low + 1u, u32(frame.sky_layers) - 1u);
     return mix(sky_layer(direction, low), sky_layer(direction, high), layer - f32(low));
