@@ -1,6 +1,7 @@
 //! The report on the preview: its pictures against the path tracer's, and what every shortcut of it saves and costs.
 
 mod gratings;
+mod shortcuts;
 
 use std::time::Instant;
 
@@ -14,7 +15,6 @@ use crate::base::{LinearRgb, Srgb8, num};
 use crate::preview::{Gpu, Options, PreviewError, Renderer, SkinOptions};
 use crate::reference::{self, Control, RenderError, Settings, Transport};
 use crate::scene::Scene;
-use crate::scene::bloom::bloom;
 use crate::scene::tone::ToneMap;
 
 /// A skin on the subject of a scene, and how it is shown.
@@ -75,8 +75,6 @@ const FULL: Transport = Transport::Full { bounces: 8 };
 /// Film thickness of the thesis's figures 5.5 to 5.13, nm, and absorption of figure 5.14.
 const THICKNESSES_NM: [f32; 6] = [200.0, 400.0, 600.0, 0.0, 2400.0, 2.4e6];
 const ABSORPTIONS: [f32; 2] = [0.1, 0.7];
-/// Share of the light that a lens spreads, beside none.
-const BLOOM: f32 = 0.05;
 /// Snakes of the thesis's table 5.3, and its milliseconds.
 const SNAKES: [(usize, f64); 4] = [(0, 0.09), (1, 0.17), (5, 0.18), (20, 0.21)];
 
@@ -168,7 +166,7 @@ pub fn report(
              first row, what it saves that of their milliseconds, at {} x {} pixels.",
             case.scene.name, case.skin, sizes.shortcuts[0], sizes.shortcuts[1]
         ));
-        page.table(shortcuts(gpu, case, (&truth, &inner), &options, &sizes, watch)?);
+        page.table(shortcuts::table(gpu, case, (&truth, &inner), &options, &sizes, watch)?);
     }
 
     if let Some(case) = cases.first() {
@@ -369,65 +367,6 @@ fn trace(
     let samples = sizes.samples[usize::from(transport == FULL)];
     let settings = Settings { width, height, samples, transport, ..Settings::default() };
     shown(case, &tracer.render(&settings, Control::default()).rgb())
-}
-
-fn shortcuts(
-    gpu: &Gpu,
-    case: &Case,
-    (truth, inner): (&[[f32; 3]], &[bool]),
-    options: &Options,
-    sizes: &Sizes,
-    watch: Watch<'_>,
-) -> Result<Table, Problem> {
-    let all = *options;
-    let skin = all.skin;
-    let rows = [
-        ("as set for this adapter", all),
-        ("1 sample", Options { samples: 1, ..all }),
-        ("4 samples", Options { samples: 4, ..all }),
-        ("16 samples", Options { samples: 16, ..all }),
-        ("64 samples", Options { samples: 64, ..all }),
-        ("1 small light a rectangle", Options { rectangle_samples: 1, ..all }),
-        ("4 small lights a rectangle", Options { rectangle_samples: 4, ..all }),
-        ("64 small lights a rectangle", Options { rectangle_samples: 64, ..all }),
-        ("shadow maps of half the sides", {
-            let [sun, rectangle] = [all.shadow_size / 2, all.rectangle_shadow_size / 2];
-            Options { shadow_size: sun, rectangle_shadow_size: rectangle, ..all }
-        }),
-        ("shadow maps of twice the sides", {
-            let [sun, rectangle] = [all.shadow_size * 2, all.rectangle_shadow_size * 2];
-            Options { shadow_size: sun, rectangle_shadow_size: rectangle, ..all }
-        }),
-        ("shadows of rectangles for each pixel", Options { shared_shadows: false, ..all }),
-        ("triangles shaded one by one", Options { deferred: false, ..all }),
-        ("maps of halves, filtered throughout", Options { compact_maps: false, ..all }),
-        ("maps of bytes", Options { compact_maps: true, ..all }),
-        ("film as if even in a pixel", Options { skin: SkinOptions { footprint: false, ..skin }, ..all }),
-        ("maps without anisotropy", Options { anisotropy: 1, ..all }),
-        ("without environment", Options { environment: false, ..all }),
-        ("without suns and rectangles", Options { lamps: false, ..all }),
-    ];
-    let columns: Vec<&str> = ["changed"].iter().chain(&ERRORS[3..]).copied().collect();
-    let mut plain_ms = None;
-    let mut table = Table::new("shortcuts", "Shortcuts, each changed alone", &columns);
-    for (i, (name, options)) in rows.iter().enumerate() {
-        watch(0.65 + 0.15 * i as f32 / rows.len() as f32, name);
-        let apart = Apart::new(&draw(gpu, case, options, sizes.compared)?, truth, inner, sizes.compared[0])?;
-        let ms = time(gpu, case, options, sizes.shortcuts)?;
-        plain_ms.get_or_insert(ms);
-        table.row([Cell::text(name), Cell::Fixed(ms, 1)].into_iter().chain(apart.cells()));
-    }
-    // The truth has no lens.
-    let [mut drawn, mut large] =
-        [linear(gpu, case, options, sizes.compared)?, linear(gpu, case, options, sizes.shortcuts)?];
-    bloom(&mut drawn, sizes.compared[0], BLOOM);
-    let start = Instant::now();
-    bloom(&mut large, sizes.shortcuts[0], BLOOM);
-    let ms = plain_ms.unwrap_or(0.0) + 1e3 * start.elapsed().as_secs_f64();
-    let apart = Apart::new(&shown(case, &drawn), truth, inner, sizes.compared[0])?;
-    let row = [Cell::text(format!("bloom of {BLOOM}")), Cell::Fixed(ms, 1)];
-    table.row(row.into_iter().chain(apart.cells()));
-    Ok(table)
 }
 
 /// Occlusion in the picture against that of the scene.
