@@ -3,20 +3,19 @@
 //! Without a graphics adapter (software ones count) the tests that draw print SKIPPED and why; with OPHIDIAN_REQUIRE_GPU=1
 //! that fails.
 
+mod traced;
+
 use std::path::Path;
 use std::sync::Arc;
 
 use glam::Vec3;
-use ophidian::base::{Domain, LinearRgb, MapKind, num};
-use ophidian::maps::{SetId, assemble};
-use ophidian::optics::{Grating, cie};
-use ophidian::plan::Plan;
+use ophidian::base::{LinearRgb, num};
+use ophidian::optics::cie;
 use ophidian::preview::{Gpu, Options, PreviewError, Renderer};
 use ophidian::reference::{self, Control, Settings, Transport};
-use ophidian::report::metric::{ColorErrors, PIXELS_PER_DEGREE, flip};
+use ophidian::report::metric::ColorErrors;
 use ophidian::scene::spec::{SceneSpec, Surroundings};
 use ophidian::scene::{Camera, Environment, Inputs, Scene, SkinMaps, Texel, builtin};
-use ophidian::{eval, graph, preset};
 use serde_json::Value;
 
 use super::cli::ophidian;
@@ -64,148 +63,6 @@ fn open(gpu: &Gpu) -> Options {
 fn direct_light([width, height]: [usize; 2], samples: u32) -> Settings {
     let transport = Transport::Direct { environment_shadows: false };
     Settings { width, height, samples, transport, ..Settings::default() }
-}
-
-/// The bound of the issue, mean CIEDE2000 beside silhouettes, and that the picture can fail it: a film 5 % thicker does.
-#[test]
-fn a_preview_is_the_path_tracers_picture_of_direct_light() {
-    const MOST: f64 = 1.0;
-    let Some(gpu) = gpu() else { return };
-    let (spec, mut scene) = scene("coil");
-    let size = [96, 72];
-    let settings = direct_light(size, 128);
-    let film = reference::Renderer::new(&scene).expect("a sound scene").render(&settings, Control::default());
-    let apart = |scene: &Scene| {
-        let mut renderer = Renderer::new(&gpu, scene, &open(&gpu)).expect("it fits");
-        let picture = renderer.render(&scene.camera, size).expect("a picture");
-        let mut errors = ColorErrors::default();
-        for (texel, pixel) in picture.texels.iter().zip(&film.pixels).filter(|(_, p)| sees_one_surface(p)) {
-            errors.add(shown(&spec, *texel), shown(&spec, pixel.rgb()));
-        }
-        assert!(errors.count() > 5000, "{}", errors.count());
-        errors.delta_e_mean()
-    };
-    let right = apart(&scene);
-    assert!(right <= MOST, "{right}");
-    scene.materials[0].thickness_nm *= 1.05;
-    let wrong = apart(&scene);
-    assert!(wrong > MOST, "{wrong}");
-}
-
-/// With dispersion, too, here ten times that of keratin; without it the same bound fails.
-#[test]
-fn dispersion_is_drawn_as_it_is_traced() {
-    // Without dispersion in either it is 1.2 in this light.
-    let (spec, mut scene) = scene("sphere");
-    let skin = &mut scene.materials[0];
-    (skin.thickness_nm, skin.constants.indices) = (600.0, [1.0, 1.55, 2.0]);
-    skin.constants.dispersion_nm2 = [58_900.0, 58_900.0];
-    let mut without = scene.clone();
-    without.materials[0].constants.dispersion_nm2 = [0.0; 2];
-    only_the_first_is_near_its_trace(&spec, [scene, without], [64, 64], 2.0);
-}
-
-/// And gratings: a sun on them makes spectra.
-#[test]
-fn gratings_are_drawn_as_they_are_traced() {
-    let (spec, mut scene) = scene("thesis");
-    let grating = Grating { period_nm: 1000.0, height_nm: 80.0, direction_rad: 1.0 };
-    scene.materials[0].constants.grating = Some(grating);
-    let mut without = scene.clone();
-    without.materials[0].constants.grating = None;
-    only_the_first_is_near_its_trace(&spec, [scene, without], [48, 36], 2.0);
-}
-
-/// Mean CIEDE2000 beside silhouettes, of what is traced against the same drawn, and against another scene drawn.
-fn only_the_first_is_near_its_trace(spec: &SceneSpec, scenes: [Scene; 2], size: [usize; 2], most: f64) {
-    let Some(gpu) = gpu() else { return };
-    let film = reference::Renderer::new(&scenes[0])
-        .expect("a sound scene")
-        .render(&direct_light(size, 128), Control::default());
-    let [right, wrong] = scenes.map(|scene| {
-        let mut renderer = Renderer::new(&gpu, &scene, &open(&gpu)).expect("it fits");
-        let picture = renderer.render(&scene.camera, size).expect("a picture");
-        let mut errors = ColorErrors::default();
-        for (texel, pixel) in picture.texels.iter().zip(&film.pixels).filter(|(_, p)| sees_one_surface(p)) {
-            errors.add(shown(spec, *texel), shown(spec, pixel.rgb()));
-        }
-        errors.delta_e_mean()
-    });
-    println!("{right}, another scene {wrong}");
-    assert!(right <= most && wrong > most, "{right} {wrong}");
-}
-
-/// With maps, too, where pixels have the samples that bumps smaller than a pixel need: CIEDE2000 and FLIP. With one sample both
-/// bounds fail, and with a film 5 % thicker as well.
-///
-/// The bound on FLIP is that of this case, with as many texels to a pixel as the command has unless told otherwise. Others come
-/// near and miss it: 0.0239 for `xenopeltis_unicolor` here, 0.0232 with maps of 512 at 96 x 72. CIEDE2000 held in all that
-/// were tried.
-#[test]
-fn a_preview_of_maps_is_that_picture_where_pixels_have_samples_and_with_a_thicker_film_is_not() {
-    const MOST: f64 = 1.0;
-    const MOST_FLIP: f64 = 0.02;
-    const SAMPLES: u32 = 256;
-    let Some(gpu) = gpu() else { return };
-    let document = preset::builtin::document("epicrates_cenchria").expect("a built-in preset");
-    let graph = graph::from_document(&document, None).expect("it is sound");
-    // As many texels to a pixel as a picture of 1280x960 has of maps of 2048.
-    let domain = Domain::from_longer_side(192, graph.girth_mm, graph.length_mm);
-    let kinds = [MapKind::Color, MapKind::Roughness, MapKind::Normal, MapKind::Iridescence];
-    let plan = Plan::new(&graph, &kinds, domain, None).expect("it fits");
-    let made = eval::run(&plan, eval::Control::default()).expect("not cancelled");
-    let set = assemble(made, SetId::new(&graph, domain));
-    let mut spec = builtin::scene("coil").expect("a built-in scene");
-    spec.subject.triangles = 8000;
-    let inputs = Inputs {
-        maps: Some(Arc::new(SkinMaps::new(&set, spec.material.texel()))),
-        optics: set.optics,
-        ..Inputs::default()
-    };
-    let mut scene = Scene::build(&spec, &inputs).expect("it can be built");
-    let size = [120, 90];
-    // The noise of the truth counts, too: its FLIP against one of another seed is 0.011.
-    let settings = direct_light(size, 1024);
-    let traced = |scene: &Scene, settings: &Settings| {
-        reference::Renderer::new(scene).expect("a sound scene").render(settings, Control::default())
-    };
-    let film = traced(&scene, &settings);
-    // Silhouettes are those of the mesh: normal maps lean everywhere.
-    let mut even = scene.clone();
-    even.materials[0].maps = None;
-    let inner: Vec<bool> =
-        traced(&even, &Settings { samples: 32, ..settings }).pixels.iter().map(sees_one_surface).collect();
-    let truth: Vec<_> = film.rgb().iter().map(|t| shown(&spec, *t).map(|c| c as f32)).collect();
-    let apart = |scene: &Scene, samples: u32| {
-        let options = Options { samples, ..open(&gpu) };
-        let mut renderer = Renderer::new(&gpu, scene, &options).expect("it fits");
-        let picture = renderer.render(&scene.camera, size).expect("a picture");
-        // Silhouettes are the truth's in both, so that no difference of theirs is seen around them.
-        let all = picture.texels.iter().zip(&truth).zip(&inner);
-        let texels: Vec<[f32; 3]> = all
-            .map(|((texel, truth), inner)| match inner {
-                true => shown(&spec, *texel).map(|c| c as f32),
-                false => *truth,
-            })
-            .collect();
-        let seen = flip(&truth, &texels, size[0], PIXELS_PER_DEGREE).expect("of one size");
-        let mut errors = ColorErrors::default();
-        let mut sum = 0.0;
-        for i in (0..truth.len()).filter(|i| inner[*i]) {
-            errors.add(texels[i].map(f64::from), truth[i].map(f64::from));
-            sum += f64::from(seen[i]);
-        }
-        assert!(errors.count() > 9_000, "{}", errors.count());
-        (errors.delta_e_mean(), sum / errors.count() as f64)
-    };
-    let (right, right_flip) = apart(&scene, SAMPLES);
-    let (once, once_flip) = apart(&scene, 1);
-    assert!(right <= MOST && right_flip <= MOST_FLIP, "{right} {right_flip}");
-    let maps = Arc::make_mut(scene.materials[0].maps.as_mut().expect("maps"));
-    maps.texels.iter_mut().for_each(|t| t.thickness_nm *= 1.05);
-    let (wrong, wrong_flip) = apart(&scene, SAMPLES);
-    assert!(once > MOST && once_flip > MOST_FLIP, "{once} {once_flip}");
-    assert!(wrong > MOST && wrong_flip > MOST_FLIP, "{wrong} {wrong_flip}");
 }
 
 /// What things hide of an even sky from the floor around a sphere that lies on it: of light by the cosine (r/d)^3 at a distance d from
