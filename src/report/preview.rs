@@ -2,6 +2,7 @@
 
 mod gratings;
 mod shortcuts;
+mod sky;
 
 use std::time::Instant;
 
@@ -178,6 +179,19 @@ pub fn report(
             case.scene.name, case.skin
         ));
         page.table(occlusion(gpu, case, &options, &sizes)?);
+    }
+
+    if let Some(case) = cases.first() {
+        watch(0.792, "environment");
+        page.heading("The environment in gloss");
+        page.prose(format!(
+            "`{}` by its environment alone, the skin even and under a film, by {} samples of each pixel: what gloss shows of the \
+             environment, blurred beforehand times what the film reflects of even light (a split sum, 0 directions), and in so \
+             many directions of its lobe in each sample, each with what the film reflects of it.",
+            case.scene.name,
+            sky::SAMPLES
+        ));
+        page.table(sky::table(gpu, case, &options, &sizes)?);
     }
 
     watch(0.795, "relief");

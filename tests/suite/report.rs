@@ -102,6 +102,11 @@ fn the_report_on_the_preview_shows_pictures_beside_the_path_tracers() {
     };
     assert!(of("without environment") > 2.0 * of("as set for this adapter"), "{shortcuts:?}");
     assert!(of("64 samples") <= of("1 sample"), "{shortcuts:?}");
+    // A split sum is farther off than directions of the lobe.
+    let environment = rows("environment");
+    let [split, many] =
+        [&environment[0], &environment[environment.len() - 1]].map(|row| number(row, "dE inner"));
+    assert!(many < split, "{many} {split}");
     // An even skin is near, and fewer terms of its film's series are not nearer.
     let films = rows("films");
     assert_eq!((films.len(), rows("snakes").len()), (24, 4));
