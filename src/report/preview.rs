@@ -187,11 +187,13 @@ pub fn report(
         page.prose(format!(
             "`{}` by its environment alone, the skin even and under a film, by {} samples of each pixel: what gloss shows of the \
              environment, blurred beforehand times what the film reflects of even light (a split sum, 0 directions), and in so \
-             many directions of its lobe in each sample, each with what the film reflects of it.",
+             many directions of its lobe in each sample, each with what the film reflects of it. The truth has {} times the \
+             samples of others.",
             case.scene.name,
-            sky::SAMPLES
+            sky::SAMPLES,
+            sky::TRUTH
         ));
-        page.table(sky::table(gpu, case, &options, &sizes)?);
+        page.table(sky::table(gpu, (case, plain), &options, &sizes)?);
     }
 
     watch(0.795, "relief");
