@@ -11,6 +11,7 @@
 //! | [`color`] | linear and sRGB colour as different types, Oklab, HSL |
 //! | [`params`] | settings held against the ranges that their struct declares |
 //! | [`kept`] | room to work in that is kept from one band to the next |
+//! | [`pages`] | numbers in large pages, where the system has them |
 //! | [`watch`] | telling what is at work, without a clock |
 //! | [`MapKind`] | the maps a texture set can hold |
 
@@ -20,6 +21,7 @@ pub mod hash;
 pub mod kept;
 pub mod map_kind;
 pub mod num;
+pub mod pages;
 pub mod params;
 pub mod plane;
 pub mod sdf;

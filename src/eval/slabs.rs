@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 
 use super::run::{Cancelled, ConstantRows, Control, Runner};
+use crate::base::pages::Pages;
 use crate::base::{MapKind, Rows};
 use crate::plan::{LaneSource, Plan, Slabs, Stage};
 
@@ -27,7 +28,7 @@ pub enum Stopped<E> {
 /// torus' row 0. What lies behind them is room.
 #[derive(Debug)]
 pub(super) struct Window {
-    data: Vec<f32>,
+    data: Pages,
     held: usize,
     first: i64,
 }
@@ -39,7 +40,7 @@ impl Window {
 
     /// Room for so many values, whose pages are the threads' to touch that write them.
     fn new(values: usize) -> Self {
-        Self { data: vec![0.0; values], held: 0, first: 0 }
+        Self { data: Pages::new(values), held: 0, first: 0 }
     }
 
     /// Forget the rows before `keep`, make room for those up to `end`, and return the room for rows from `from` on, all of
@@ -53,9 +54,7 @@ impl Window {
         self.data.copy_within(gone.min(self.held)..self.held, 0);
         self.first = keep;
         self.held = (end - keep) as usize * width;
-        if self.data.len() < self.held {
-            self.data.resize(self.held, 0.0);
-        }
+        self.data.grow(self.held);
         &mut self.data[(from - keep) as usize * width..self.held]
     }
 }

@@ -13,13 +13,14 @@ const PARTS: usize = 4096;
 /// Codes.
 const CODES: usize = 256;
 
+/// Ticks of a part. Floats of at least 2^-13, which the first step is above, lie on them.
+const TICKS: f32 = 16_777_216.0;
+
 /// Where the codes change.
 #[derive(Debug)]
 pub(super) struct Codes {
-    /// The code at the start of each part.
-    start: [u32; PARTS],
-    /// The least linear value of the next code, by code; infinite for the last one.
-    next: [f32; CODES],
+    /// The code at the start of each part and, 8 bits above it, the last tick before the next code.
+    parts: [u32; PARTS],
     /// Linear value of each code.
     linear: [f32; CODES],
 }
@@ -38,10 +39,18 @@ impl Codes {
     }
 
     fn new() -> Self {
-        let next = std::array::from_fn(|k| if k + 1 < CODES { least(k as u32 + 1) } else { f32::INFINITY });
-        let start = std::array::from_fn(|part| code(part as f32 / PARTS as f32));
+        let mut steps = steps().map(|step| step * PARTS as f32).into_iter().peekable();
+        let mut code = 0;
+        let parts = std::array::from_fn(|part| {
+            let start = part as f32;
+            let step = steps.next_if(|step| *step < start + 1.0);
+            let last = step.map_or(TICKS, |step| (step - start) * TICKS) - 1.0;
+            let entry = code | (last as u32) << 8;
+            code += u32::from(step.is_some());
+            entry
+        });
         let linear = std::array::from_fn(|k| color::srgb_to_linear(k as f32 * (1.0 / 255.0)));
-        Self { start, next, linear }
+        Self { parts, linear }
     }
 
     /// The linear value of a code.
@@ -49,6 +58,11 @@ impl Codes {
     pub(super) fn linear(&self, code: u16) -> f32 {
         self.linear[usize::from(code) % CODES]
     }
+}
+
+/// The least linear value of each code from 1 on.
+fn steps() -> [f32; CODES - 1] {
+    std::array::from_fn(|k| least(k as u32 + 1))
 }
 
 /// The least linear value of a code from 1 to 255, among all floats: codes never fall where values rise.
@@ -70,18 +84,20 @@ const LANES: usize = 16;
 
 #[inline(always)]
 fn block(table: &Codes, linear: &[f32; LANES]) -> [u16; LANES] {
-    let (mut v, mut part, mut start) = ([0.0; LANES], [0; LANES], [0; LANES]);
+    let (mut tick, mut part, mut entry) = ([0.0; LANES], [0; LANES], [0; LANES]);
     for l in 0..LANES {
-        // 1 lies in the last part.
-        v[l] = linear[l].max(0.0).min(1.0 - f32::EPSILON / 2.0);
-        part[l] = num::whole(v[l] * PARTS as f32);
+        // 1 lies in the last part. What follows is exact: a product with a power of two, and the fraction of a float.
+        let at = linear[l].max(0.0).min(1.0 - f32::EPSILON / 2.0) * PARTS as f32;
+        part[l] = num::whole(at);
+        tick[l] = (at - part[l] as i32 as f32) * TICKS;
     }
     for l in 0..LANES {
-        start[l] = table.start[part[l] as usize % PARTS];
+        entry[l] = table.parts[part[l] as usize % PARTS];
     }
     let mut codes = [0; LANES];
     for l in 0..LANES {
-        codes[l] = (start[l] + u32::from(v[l] >= table.next[start[l] as usize % CODES])) as u16;
+        let last = (entry[l] >> 8) as i32 as f32;
+        codes[l] = ((entry[l] & 0xff) + u32::from(tick[l] > last)) as u16;
     }
     codes
 }
@@ -116,7 +132,7 @@ mod tests {
     fn codes_are_those_of_the_function_around_every_step_and_between() {
         // Every float of 2^13 around each step, every 2^9-th of all, and what lies outside. An exhaustive run (all 2^30
         // floats of [0, 1], once) found no fall and no difference.
-        for &step in &Codes::get().next[..CODES - 1] {
+        for step in steps() {
             let first = step.to_bits() - (1 << 12);
             assert_codes(&(first..first + (1 << 13)).map(f32::from_bits).collect::<Vec<_>>());
         }
@@ -127,9 +143,10 @@ mod tests {
 
     #[test]
     fn no_part_holds_two_steps() {
-        let parts: Vec<u32> =
-            Codes::get().next[..CODES - 1].iter().map(|v| num::whole(v * PARTS as f32)).collect();
+        let parts = steps().map(|v| num::whole(v * PARTS as f32));
         assert!(parts.windows(2).all(|w| w[0] < w[1]));
+        // No step at the start of a part, and ticks fine enough for all floats around each.
+        assert!(steps().iter().all(|v| *v > 2f32.powi(-13) && (v * PARTS as f32).fract() > 0.0));
     }
 
     #[test]

@@ -75,7 +75,7 @@ impl Operation for BlueNoise {
         let mut at = Coords::new(cx.domain.width);
         for y in rows {
             at.set(&cx.domain, ins, 0, y);
-            for ((o, u), v) in outs.only(y).iter_mut().zip(at.all().us()).zip(at.all().vs()) {
+            for ((o, u), v) in outs.only(y).iter_mut().zip(at.all().us()).zip(&*at.all().vs()) {
                 // u and v may round to exactly 1, which is cell 0 again.
                 let cell = |t: f32, n: usize| (t * n as f32) as usize % n;
                 *o = tile.values[cell(*v, tile.height) * tile.width + cell(*u, tile.width)];

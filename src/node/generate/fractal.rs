@@ -160,6 +160,30 @@ impl Octave {
     }
 }
 
+impl Octave {
+    /// Add what it gives to a sum; `noise` is scratch, `weight` the ridges' feedback.
+    #[expect(clippy::too_many_arguments, reason = "a row's whole state, used here only")]
+    fn add(
+        &self,
+        sum: Sum,
+        at: &Part<'_>,
+        kept: &mut PerlinRow,
+        amp: f32,
+        noise: &mut [f32],
+        weight: &mut [f32],
+        out: &mut [f32],
+    ) {
+        // The usual noise in one pass over the row.
+        if let (Self::Perlin(perlin), Sum::Fbm) = (self, sum)
+            && perlin.add(at, kept, amp, out)
+        {
+            return;
+        }
+        self.sample(at, kept, noise);
+        add(sum, noise, amp, weight, out);
+    }
+}
+
 /// What all bands share.
 struct Octaves {
     octaves: Vec<Octave>,
@@ -253,12 +277,53 @@ impl Operation for Fractal {
         let Octaves { octaves, room } = cx.prepared();
         room.lend(
             || Room::new(cx.domain.width, octaves.len()),
-            |room| rows.for_each(|y| self.row(cx, octaves, y, ins, outs.only(y), room)),
+            |room| match self.even_gain(ins) {
+                Some(gain) => self.octave_by_octave(cx, octaves, gain, rows, ins, outs, room),
+                None => rows.for_each(|y| self.row(cx, octaves, y, ins, outs.only(y), room)),
+            },
         );
     }
 }
 
 impl Fractal {
+    /// Whether `where` is a constant at which the noise is wanted.
+    fn everywhere(&self, ins: &Inputs<'_>) -> bool {
+        ins.constant(WHERE).is_some_and(|v| self.above < v && v < self.below)
+    }
+
+    /// The gain of the usual noise, everywhere the same and not moved.
+    fn even_gain(&self, ins: &Inputs<'_>) -> Option<f32> {
+        let usual = self.basis == Basis::Perlin && self.sum == Sum::Fbm;
+        let moved = ins.constant(DU).and(ins.constant(DU + 1)).is_none();
+        ins.constant(GAIN).filter(|_| usual && !moved && self.everywhere(ins)).map(num::saturate)
+    }
+
+    /// The usual noise: what a row of texels takes of an octave is in the first cache when the next row takes it.
+    #[expect(clippy::too_many_arguments, reason = "those of `eval`, and what it has found")]
+    fn octave_by_octave(
+        &self,
+        cx: &Cx<'_>,
+        octaves: &[Octave],
+        gain: f32,
+        rows: Range<i64>,
+        ins: &Inputs<'_>,
+        outs: &mut Outputs<'_>,
+        room: &mut Room,
+    ) {
+        let Room { at, kept, noise, weight, .. } = room;
+        rows.clone().for_each(|y| outs.only(y).fill(0.0));
+        let (mut amp, mut total) = (1.0, 0.0);
+        for (octave, kept) in octaves.iter().zip(kept) {
+            for y in rows.clone() {
+                at.set(&cx.domain, ins, DU, y);
+                octave.add(self.sum, &at.all(), kept, amp, noise, weight, outs.only(y));
+            }
+            total += amp;
+            amp *= gain;
+        }
+        rows.for_each(|y| divide(total, outs.only(y)));
+    }
+
     fn row(
         &self,
         cx: &Cx<'_>,
@@ -269,7 +334,7 @@ impl Fractal {
         room: &mut Room,
     ) {
         let by = ins.row(WHERE, y);
-        let everywhere = ins.constant(WHERE).is_some_and(|v| self.above < v && v < self.below);
+        let everywhere = self.everywhere(ins);
         room.wanted.clear();
         if everywhere {
             room.wanted.push(0..out.len());
@@ -315,22 +380,14 @@ impl Fractal {
             sums.begin(out.len());
         }
         for (octave, kept) in octaves.iter().zip(kept) {
-            // The usual noise in one pass over the row.
-            if let (Octave::Perlin(perlin), Sum::Fbm, Some(gain)) = (octave, self.sum, gain)
-                && perlin.add(&at, kept, amp, out)
-            {
-                total += amp;
-                amp *= gain;
-                continue;
-            }
-            octave.sample(&at, kept, noise);
             match gain {
                 Some(gain) => {
-                    add(self.sum, noise, amp, weight, out);
+                    octave.add(self.sum, &at, kept, amp, noise, weight, out);
                     total += amp;
                     amp *= gain;
                 }
                 None => {
+                    octave.sample(&at, kept, noise);
                     signal(self.sum, noise, weight);
                     let gain = &ins.row(GAIN, y)[texels.clone()];
                     add_weighted(noise, gain, &mut sums.amp, &mut sums.total, out);

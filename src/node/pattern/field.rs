@@ -112,7 +112,7 @@ impl Field {
 
     /// Write one row of the map; `line` is scratch that keeps its memory from row to row.
     pub(super) fn sample(&self, at: &Part<'_>, line: &mut Vec<f32>, out: &mut [f32]) {
-        let Some(v) = at.row_v() else { return anywhere(self, at.us(), at.vs(), out) };
+        let Some(v) = at.row_v() else { return anywhere(self, at.us(), &at.vs(), out) };
         let stride = self.width + PAD;
         let (y, k) = taps(v, self.height as f32);
         let row = |i: usize| &self.padded[(y as usize + i) * stride..][..stride];

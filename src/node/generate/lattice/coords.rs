@@ -1,5 +1,6 @@
 //! Where on the tile each texel of a row is evaluated.
 
+use std::borrow::Cow;
 use std::ops::Range;
 
 use crate::base::{Domain, num};
@@ -12,6 +13,7 @@ pub(in crate::node) struct Coords {
     /// u of the columns, not moved.
     columns: Vec<f32>,
     us: Vec<f32>,
+    /// v of the texels, where they have not all the same.
     vs: Vec<f32>,
     row_v: Option<f32>,
     /// The offset around the body, where it is a constant.
@@ -37,9 +39,8 @@ impl Coords {
         }
         let v = domain.v(y);
         self.row_v = ins.constant(du + 1).map(|dv| num::fract(v + dv));
-        match self.row_v {
-            Some(v) => self.vs.fill(v),
-            None => moved_from(v, ins.row(du + 1, y), &mut self.vs),
+        if self.row_v.is_none() {
+            moved_from(v, ins.row(du + 1, y), &mut self.vs);
         }
     }
 
@@ -83,8 +84,11 @@ impl<'a> Part<'a> {
     }
 
     /// v of every texel, in [0, 1].
-    pub(in crate::node) fn vs(&self) -> &'a [f32] {
-        &self.row.vs[self.texels()]
+    pub(in crate::node) fn vs(&self) -> Cow<'a, [f32]> {
+        match self.row.row_v {
+            Some(v) => vec![v; self.texels.len()].into(),
+            None => self.row.vs[self.texels()].into(),
+        }
     }
 
     /// v of the whole row, where it is one.

@@ -8,6 +8,7 @@
 //! its search loop scalar.
 
 mod coords;
+mod near;
 mod perlin;
 mod simplex;
 mod square;

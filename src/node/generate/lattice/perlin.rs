@@ -6,10 +6,12 @@
 use std::sync::OnceLock;
 
 use super::square::{axis, bilinear, corners};
-use super::{Cells, Part, fade};
+use super::{Cells, Part, fade, near};
 use crate::base::hash;
 use crate::multiversion;
 
+/// Texels worked on at once where it matters whether they share a cell.
+const LANES: usize = 16;
 /// Cells of a lattice whose bits are kept whole, for texels that may lie anywhere: 64 KiB.
 const TABLE: usize = 1 << 14;
 
@@ -31,15 +33,14 @@ pub(in super::super) struct PerlinRow {
     row: Option<u32>,
     /// The offset around the body for which `columns` hold.
     du: Option<f32>,
-    /// Bits of its cells; a power of two of them, so that no bound need be checked.
+    /// Bits of its cells, and of the first ones again.
     cells: Vec<u32>,
     /// Column of each texel's cell.
-    columns: Vec<u32>,
-    /// Where the texel lies in it, and the fade of that.
+    columns: Vec<u16>,
+    /// Where the texel lies in it. Its fade is computed again: so many arrays would take more of the second cache than they save.
     x: Vec<f32>,
-    fade: Vec<f32>,
     /// Bits of each texel's cell.
-    bits: Vec<u32>,
+    bits: Vec<u8>,
 }
 
 impl Perlin {
@@ -48,8 +49,8 @@ impl Perlin {
         Self { cells, table: OnceLock::new() }
     }
 
-    /// Add `amp (0.5 + 0.5 n)` for the noise n at some texels, `kept` as in [`Perlin::sample`], where their row lies in one row
-    /// of cells; else it does nothing, and says so.
+    /// Add `amp (0.5 + 0.5 n)` for the noise n at some texels, `kept` as in [`Perlin::sample`], where the cells' bits are or can be
+    /// kept; else it does nothing, and says so.
     pub(in super::super) fn add(
         &self,
         at: &Part<'_>,
@@ -57,27 +58,36 @@ impl Perlin {
         amp: f32,
         out: &mut [f32],
     ) -> bool {
-        let Some(y) = self.along(at, kept) else { return false };
-        let (x, fade, bits) = kept.at(at);
-        add_along_row(x, fade, bits, y, amp, out);
-        true
+        if let Some(y) = self.along(at, kept) {
+            let (x, bits) = kept.at(at);
+            add_along_row(x, bits, y, amp, out);
+            return true;
+        }
+        let table = at.row_v().is_none().then(|| self.table()).flatten();
+        if let Some(table) = table {
+            add_anywhere(at.us(), &at.vs(), table, self.cells, amp, out);
+        }
+        table.is_some()
     }
 
     /// The noise at some texels of a row. `kept` belongs to this noise and the columns of this row.
     pub(in super::super) fn sample(&self, at: &Part<'_>, kept: &mut PerlinRow, out: &mut [f32]) {
         let cells = self.cells;
         if let Some(y) = self.along(at, kept) {
-            let (x, fade, bits) = kept.at(at);
-            return along_row(x, fade, bits, y, out);
+            let (x, bits) = kept.at(at);
+            return along_row(x, bits, y, out);
         }
-        match at.row_v() {
-            Some(v) => hashed_row(at.us(), v, cells, out),
-            None if cells.u as usize * cells.v as usize <= TABLE => {
-                let table = self.table.get_or_init(|| table(cells));
-                anywhere(at.us(), at.vs(), table, cells, out);
-            }
-            None => hashed(at.us(), at.vs(), cells, out),
+        match (at.row_v(), self.table()) {
+            (Some(v), _) => hashed_row(at.us(), v, cells, out),
+            (None, Some(table)) => anywhere(at.us(), &at.vs(), table, cells, out),
+            (None, None) => hashed(at.us(), &at.vs(), cells, out),
         }
+    }
+
+    /// Bits of every cell, where there are few enough.
+    fn table(&self) -> Option<&[u32; TABLE]> {
+        let few = self.cells.u as usize * self.cells.v as usize <= TABLE;
+        few.then(|| &**self.table.get_or_init(|| table(self.cells)))
     }
 
     /// Prepare for a row that lies in one row of cells; returns how far it is from their first line. `None` for other
@@ -95,27 +105,28 @@ impl Perlin {
 }
 
 impl PerlinRow {
-    /// Of some texels: where they lie in their cells, the fade of that, and the cells' bits.
-    fn at(&self, at: &Part<'_>) -> (&[f32], &[f32], &[u32]) {
-        (&self.x[at.texels()], &self.fade[at.texels()], &self.bits[at.texels()])
+    /// Of some texels: where they lie in their cells, and the cells' bits.
+    fn at(&self, at: &Part<'_>) -> (&[f32], &[u8]) {
+        (&self.x[at.texels()], &self.bits[at.texels()])
     }
 
     fn set(&mut self, at: &Part<'_>, cells: Cells, row: u32) {
         if self.du != at.du() {
-            self.cells.resize((cells.u as usize).next_power_of_two(), 0);
+            self.cells.resize(cells.u as usize + near::AGAIN, 0);
             self.columns.resize(at.row_us().len(), 0);
             self.bits.resize(at.row_us().len(), 0);
             self.x.resize(at.row_us().len(), 0.0);
-            self.fade.resize(at.row_us().len(), 0.0);
-            find_columns(at.row_us(), cells, &mut self.columns, &mut self.x, &mut self.fade);
+            find_columns(at.row_us(), cells, &mut self.columns, &mut self.x);
             (self.du, self.row) = (at.du(), None);
         }
         if self.row == Some(row) {
             return;
         }
         self.row = Some(row);
-        row_bits(cells, row, &mut self.cells[..cells.u as usize]);
-        look_up(&self.cells, &self.columns, &mut self.bits);
+        let (bits, again) = self.cells.split_at_mut(cells.u as usize);
+        row_bits(cells, row, bits);
+        again.iter_mut().zip(bits.iter().cycle()).for_each(|(again, first)| *again = *first);
+        near::look_up(&self.cells, cells.u, &self.columns, &mut self.bits);
     }
 }
 
@@ -145,17 +156,12 @@ multiversion! {
 }
 
 multiversion! {
-    fn find_columns(us: &[f32], cells: Cells, columns: &mut [u32], xs: &mut [f32], fades: &mut [f32]) {
-        for (((c, x), f), u) in columns.iter_mut().zip(xs).zip(fades).zip(us) {
-            (*c, _, *x) = axis(cells.at(*u, 0.0).0, cells.u);
-            *f = fade(*x);
+    fn find_columns(us: &[f32], cells: Cells, columns: &mut [u16], xs: &mut [f32]) {
+        for ((c, x), u) in columns.iter_mut().zip(xs).zip(us) {
+            let (column, _, along) = axis(cells.at(*u, 0.0).0, cells.u);
+            // A row has 65536 texels at most, and no more cells.
+            (*c, *x) = (column as u16, along);
         }
-    }
-}
-
-multiversion! {
-    fn look_up(cells: &[u32], columns: &[u32], bits: &mut [u32]) {
-        for (b, c) in bits.iter_mut().zip(columns) { *b = cells.get(*c as usize).copied().unwrap_or(0); }
     }
 }
 
@@ -195,32 +201,90 @@ fn hashed_at(u: f32, v: f32, cells: Cells) -> f32 {
 
 multiversion! {
     /// Texels whose cells' bits are known, `y` from the cells' first line.
-    fn along_row(xs: &[f32], fades: &[f32], bits: &[u32], y: f32, out: &mut [f32]) {
+    fn along_row(xs: &[f32], bits: &[u8], y: f32, out: &mut [f32]) {
         let fade_y = fade(y);
-        for (((o, x), f), b) in out.iter_mut().zip(xs).zip(fades).zip(bits) {
-            *o = in_cell(corner_bits(*b), [*x, y], [*f, fade_y]);
+        for ((o, x), b) in out.iter_mut().zip(xs).zip(bits) {
+            *o = in_cell(corner_bits(u32::from(*b)), [*x, y], [fade(*x), fade_y]);
         }
     }
 }
 
 multiversion! {
     /// The same, added to what is there.
-    fn add_along_row(xs: &[f32], fades: &[f32], bits: &[u32], y: f32, amp: f32, out: &mut [f32]) {
+    fn add_along_row(xs: &[f32], bits: &[u8], y: f32, amp: f32, out: &mut [f32]) {
         let fade_y = fade(y);
-        for (((o, x), f), b) in out.iter_mut().zip(xs).zip(fades).zip(bits) {
-            *o += amp * (0.5 + 0.5 * in_cell(corner_bits(*b), [*x, y], [*f, fade_y]));
+        for ((o, x), b) in out.iter_mut().zip(xs).zip(bits) {
+            *o += amp * (0.5 + 0.5 * in_cell(corner_bits(u32::from(*b)), [*x, y], [fade(*x), fade_y]));
         }
     }
 }
 
+/// Where texels lie in a table of cells, and in their cells.
+#[inline(always)]
+fn place<const N: usize>(us: &[f32; N], vs: &[f32; N], cells: Cells) -> ([u32; N], [f32; N], [f32; N]) {
+    let (mut at, mut x, mut y) = ([0; N], [0.0; N], [0.0; N]);
+    for l in 0..N {
+        let (s, t) = cells.at(us[l], vs[l]);
+        let (i, j);
+        ((i, _, x[l]), (j, _, y[l])) = (axis(s, cells.u), axis(t, cells.v));
+        at[l] = j * cells.u + i;
+    }
+    (at, x, y)
+}
+
+/// `n`, or what is there and `amp (0.5 + 0.5 n)`.
+#[inline(always)]
+fn put<const ADD: bool>(out: &mut f32, n: f32, amp: f32) {
+    *out = if ADD { *out + amp * (0.5 + 0.5 * n) } else { n };
+}
+
 multiversion! {
     fn anywhere(us: &[f32], vs: &[f32], table: &[u32; TABLE], cells: Cells, out: &mut [f32]) {
-        for ((o, u), v) in out.iter_mut().zip(us).zip(vs) {
-            let (s, t) = cells.at(*u, *v);
-            let ((i, _, x), (j, _, y)) = (axis(s, cells.u), axis(t, cells.v));
-            let cell = table[(j * cells.u + i) as usize % TABLE];
-            *o = in_cell(corner_bits(cell), [x, y], [fade(x), fade(y)]);
+        put_anywhere::<false>(us, vs, table, cells, 1.0, out);
+    }
+}
+
+multiversion! {
+    /// The same, added to what is there.
+    fn add_anywhere(us: &[f32], vs: &[f32], table: &[u32; TABLE], cells: Cells, amp: f32, out: &mut [f32]) {
+        put_anywhere::<true>(us, vs, table, cells, amp, out);
+    }
+}
+
+#[inline(always)]
+fn put_anywhere<const ADD: bool>(
+    us: &[f32],
+    vs: &[f32],
+    table: &[u32; TABLE],
+    cells: Cells,
+    amp: f32,
+    out: &mut [f32],
+) {
+    let ((us, us_rest), (vs, vs_rest)) = (us.as_chunks::<LANES>(), vs.as_chunks::<LANES>());
+    let (outs, out_rest) = out.as_chunks_mut::<LANES>();
+    for ((out, us), vs) in outs.iter_mut().zip(us).zip(vs) {
+        let (at, x, y) = place(us, vs, cells);
+        let mut others = 0;
+        for l in 0..LANES {
+            others |= at[l] ^ at[0];
         }
+        if others == 0 {
+            // Most neighbours lie in one cell: it is looked up once, and its signs are the same for all.
+            let corners = corner_bits(table[at[0] as usize % TABLE]);
+            for l in 0..LANES {
+                put::<ADD>(&mut out[l], in_cell(corners, [x[l], y[l]], [fade(x[l]), fade(y[l])]), amp);
+            }
+        } else {
+            for l in 0..LANES {
+                let corners = corner_bits(table[at[l] as usize % TABLE]);
+                put::<ADD>(&mut out[l], in_cell(corners, [x[l], y[l]], [fade(x[l]), fade(y[l])]), amp);
+            }
+        }
+    }
+    for ((out, u), v) in out_rest.iter_mut().zip(us_rest).zip(vs_rest) {
+        let ([at], [x], [y]) = place(&[*u], &[*v], cells);
+        let corners = corner_bits(table[at as usize % TABLE]);
+        put::<ADD>(out, in_cell(corners, [x, y], [fade(x), fade(y)]), amp);
     }
 }
 

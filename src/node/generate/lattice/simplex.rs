@@ -101,7 +101,7 @@ fn simplex_at(u: f32, v: f32, cells: Cells, shear: Shear) -> f32 {
 pub(in super::super) fn simplex(at: &Part<'_>, cells: Cells, shear: Shear, out: &mut [f32]) {
     match at.row_v() {
         Some(v) => row(at.us(), v, cells, shear, out),
-        None => free(at.us(), at.vs(), cells, shear, out),
+        None => free(at.us(), &at.vs(), cells, shear, out),
     }
 }
 

@@ -74,7 +74,7 @@ macro_rules! row_kernel {
             }
             match at.row_v() {
                 Some(v) => row(at.us(), v, cells, out),
-                None => free(at.us(), at.vs(), cells, out),
+                None => free(at.us(), &at.vs(), cells, out),
             }
         }
     };

@@ -298,7 +298,7 @@ pub(in super::super) fn worley(
         Some(v) if cells.u as usize * WIDE <= at.row_us().len() => {
             along_row(at.us(), v, cells, metric, jitter, out)
         }
-        _ => anywhere(at.us(), at.vs(), cells, metric, jitter, out),
+        _ => anywhere(at.us(), &at.vs(), cells, metric, jitter, out),
     }
 }
 
