@@ -24,14 +24,16 @@ impl<T> Kept<T> {
         result
     }
 
-    fn take(&self) -> Option<T> {
+    /// A value that nobody has, if there is one; for what is given back elsewhere than where it was taken.
+    pub fn take(&self) -> Option<T> {
         let own = rayon::current_thread_index();
         let mut kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let at = kept.iter().rposition(|(thread, _)| *thread == own).or(kept.len().checked_sub(1))?;
         Some(kept.swap_remove(at).1)
     }
 
-    fn give_back(&self, value: T) {
+    /// Take a value back, or a new one.
+    pub fn give_back(&self, value: T) {
         let own = rayon::current_thread_index();
         self.0.lock().unwrap_or_else(PoisonError::into_inner).push((own, value));
     }

@@ -1,6 +1,7 @@
 //! PNG files of a set whose maps come some rows at a time, all at once.
 
 use std::io::BufWriter;
+use std::sync::Arc;
 
 use rayon::prelude::*;
 
@@ -50,13 +51,14 @@ impl<'w, 'a> Parts<'w, 'a> {
     ) -> Result<Self, IoError> {
         let options = writer.options;
         let blank = vec![0.0; width];
+        let room = Arc::default();
         let part = |head: &MapHead| {
             let file = writer.file_name(Output::Png, Some((head.kind, head.normal_format)))?;
             let (aside, out) = OpenAside::new(writer.dir.join(&file))?;
             let lanes = vec![Rows::broadcast(&blank); head.kind.channels()];
             let quantiser = Quantiser::of_rows(head.kind, head.range, lanes, &options.encode);
             let out = BufWriter::with_capacity(1 << 18, out);
-            let stream = Stream::new(&quantiser, height, options.png, options.verify, out)
+            let stream = Stream::new(&quantiser, height, options.png, options.verify, Arc::clone(&room), out)
                 .map_err(|p| p.at(aside.path()))?;
             Ok(Part { head: *head, file, aside, stream, row_bytes: quantiser.row_bytes() })
         };

@@ -11,15 +11,16 @@ mod strip;
 
 use std::fs::File;
 use std::io::{BufReader, Write};
+use std::sync::Arc;
 
 use ::png::{BitDepth, ColorType, ScaledFloat, SrgbRenderingIntent};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use self::strip::{Scratch, Strip};
+pub(super) use self::strip::Room;
+use self::strip::Strip;
 use super::Problem;
 use crate::base::MapKind;
-use crate::base::kept::Kept;
 use crate::base::watch::{Watched, Work};
 use crate::maps::{Depth, EncodeOptions, MapImage, MapTold, Quantiser, RowTold};
 
@@ -63,7 +64,7 @@ pub(super) fn write(
     out: impl Write,
 ) -> Result<MapTold, Problem> {
     let quantiser = Quantiser::new(map, options);
-    let mut stream = Stream::new(&quantiser, map.height(), compression, false, out)?;
+    let mut stream = Stream::new(&quantiser, map.height(), compression, false, Arc::default(), out)?;
     stream.advance(&quantiser, map.height(), watched)?;
     Ok(stream.finish()?.0)
 }
@@ -81,17 +82,21 @@ pub(super) struct Stream<W: Write> {
     /// Of the samples of each strip, where they will be compared.
     hashes: Option<Vec<blake3::Hash>>,
     adler: u32,
+    /// What is to be written next, and how many bytes of it.
     chunk: Vec<u8>,
-    scratch: Kept<Scratch>,
+    held: usize,
+    room: Arc<Room>,
 }
 
 impl<W: Write> Stream<W> {
-    /// Begin a file of so many rows like those of the quantiser. `hashed`: it will be compared by [`verify_hashes`].
+    /// Begin a file of so many rows like those of the quantiser. `hashed`: it will be compared by [`verify_hashes`]; `room` can be
+    /// shared with other files.
     pub(super) fn new(
         quantiser: &Quantiser<'_>,
         height: usize,
         compression: PngCompression,
         hashed: bool,
+        room: Arc<Room>,
         out: W,
     ) -> Result<Self, Problem> {
         let width = quantiser.width();
@@ -117,7 +122,8 @@ impl<W: Write> Stream<W> {
             adler: 1,
             // The head of a zlib stream: deflate, a window of 32 KiB.
             chunk: vec![0x78, 0x01],
-            scratch: Kept::new(),
+            held: 2,
+            room,
         })
     }
 
@@ -145,15 +151,12 @@ impl<W: Write> Stream<W> {
             let made: Vec<Result<Strip, Problem>> = batch
                 .par_iter()
                 .with_max_len(1)
-                .map_init(
-                    || self.scratch.borrow(),
-                    |scratch, rows| {
-                        let hashed = self.hashes.is_some();
-                        let strip =
-                            || strip::encode(quantiser, self.compression, rows.clone(), hashed, scratch);
-                        watched.piece(Work::Encode, strip)
-                    },
-                )
+                .map(|rows| {
+                    let hashed = self.hashes.is_some();
+                    let strip =
+                        || strip::encode(quantiser, self.compression, rows.clone(), hashed, &self.room);
+                    watched.piece(Work::Encode, strip)
+                })
                 .collect();
             for strip in made {
                 self.put(strip?, watched)?;
@@ -164,19 +167,21 @@ impl<W: Write> Stream<W> {
     }
 
     fn put(&mut self, strip: Strip, watched: Watched<'_>) -> Result<(), Problem> {
-        if !self.told.is_empty() {
+        let old = if self.told.is_empty() {
+            self.chunk.extend(&strip.bytes[..strip.used]);
+            self.held = self.chunk.len();
+            strip.bytes
+        } else {
+            let chunk = &self.chunk[..self.held];
             watched
-                .piece(Work::Write, || self.writer.write_chunk(::png::chunk::IDAT, &self.chunk))
+                .piece(Work::Write, || self.writer.write_chunk(::png::chunk::IDAT, chunk))
                 .map_err(problem)?;
-            self.chunk.clear();
-        }
+            self.held = strip.used;
+            std::mem::replace(&mut self.chunk, strip.bytes)
+        };
+        self.room.bytes.give_back(old);
         self.adler = zlib_rs::adler32::adler32_combine(self.adler, strip.adler, strip.length);
         self.told.extend(strip.told);
-        if self.chunk.is_empty() {
-            self.chunk = strip.bytes;
-        } else {
-            self.chunk.extend(strip.bytes);
-        }
         if let (Some(hashes), Some(hash)) = (&mut self.hashes, strip.samples) {
             hashes.push(hash);
         }
@@ -188,6 +193,7 @@ impl<W: Write> Stream<W> {
     pub(super) fn finish(mut self) -> Result<(MapTold, Vec<blake3::Hash>), Problem> {
         debug_assert_eq!(self.next, self.size.1, "rows are missing");
         // The last block, which is empty, and the checksum.
+        self.chunk.truncate(self.held);
         self.chunk.extend([0x03, 0x00]);
         self.chunk.extend(self.adler.to_be_bytes());
         self.writer.write_chunk(::png::chunk::IDAT, &self.chunk).map_err(problem)?;

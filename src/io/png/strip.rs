@@ -10,6 +10,7 @@ use zlib_rs::{Deflate, DeflateConfig, DeflateFlush, Status};
 
 use super::filter::{self, Filter};
 use super::{PngCompression, huffman};
+use crate::base::kept::Kept;
 use crate::io::Problem;
 use crate::maps::{Quantiser, RowTold};
 
@@ -58,8 +59,10 @@ pub(super) fn rows(compression: PngCompression, row_bytes: usize) -> usize {
 
 /// Some rows of a map, compressed.
 pub(super) struct Strip {
-    /// Whole deflate blocks, none of them the last one, up to the end of a byte.
+    /// Whole deflate blocks, none of them the last one, up to the end of a byte; and room behind them.
     pub(super) bytes: Vec<u8>,
+    /// Bytes of the blocks.
+    pub(super) used: usize,
     /// Adler-32 of what they hold.
     pub(super) adler: u32,
     /// Bytes of what they hold.
@@ -70,9 +73,18 @@ pub(super) struct Strip {
     pub(super) samples: Option<blake3::Hash>,
 }
 
+/// Memory that the strips of all files of a set use again: fresh pages cost more than what is written to them.
+#[derive(Default)]
+pub(in crate::io) struct Room {
+    /// Of each thread.
+    scratch: Kept<Scratch>,
+    /// Of compressed strips that are written.
+    pub(super) bytes: Kept<Vec<u8>>,
+}
+
 /// Buffers that strips of one thread use again.
 #[derive(Default)]
-pub(super) struct Scratch {
+struct Scratch {
     codes: Vec<u16>,
     samples: Vec<u8>,
     filtered: Vec<u8>,
@@ -85,9 +97,10 @@ pub(super) fn encode(
     compression: PngCompression,
     strip_rows: Range<usize>,
     hashed: bool,
-    scratch: &mut Scratch,
+    room: &Room,
 ) -> Result<Strip, Problem> {
-    let Scratch { codes, samples, filtered, tried } = scratch;
+    let mut scratch = room.scratch.borrow();
+    let Scratch { codes, samples, filtered, tried } = &mut *scratch;
     let row_bytes = quantiser.row_bytes();
     samples.resize(strip_rows.len() * row_bytes, 0);
     let told = samples.chunks_exact_mut(row_bytes).zip(strip_rows).map(|(row, y)| {
@@ -96,7 +109,8 @@ pub(super) fn encode(
     });
     let told = told.collect();
     let hash = hashed.then(|| blake3::hash(samples));
-    let mut strip = Strip { told, bytes: Vec::new(), adler: 1, length: 0, samples: hash };
+    let bytes = room.bytes.take().unwrap_or_default();
+    let mut strip = Strip { told, bytes, used: usize::MAX, adler: 1, length: 0, samples: hash };
     let texel_bytes = row_bytes / quantiser.width();
     for &(filter, coder) in candidates(compression) {
         filter::rows(samples, row_bytes, texel_bytes, filter, filtered);
@@ -104,9 +118,9 @@ pub(super) fn encode(
             Coder::Huffman => huffman::compress(filtered, tried),
             Coder::Zlib(level) => zlib(filtered, level, tried)?,
         };
-        if strip.bytes.is_empty() || length < strip.bytes.len() {
-            strip.bytes.clear();
-            strip.bytes.extend_from_slice(&tried[..length]);
+        if length < strip.used {
+            std::mem::swap(&mut strip.bytes, tried);
+            strip.used = length;
             strip.adler = zlib_rs::adler32::adler32(1, filtered);
             strip.length = filtered.len() as u64;
         }

@@ -10,6 +10,8 @@ use super::{Cells, Part, fade, near};
 use crate::base::hash;
 use crate::multiversion;
 
+/// Cells of a texel at most, in a row whose cells are kept: each is hashed twice, and four times for a texel by itself.
+const DENSEST: usize = 2;
 /// Texels worked on at once where it matters whether they share a cell.
 const LANES: usize = 16;
 /// Cells of a lattice whose bits are kept whole, for texels that may lie anywhere: 64 KiB.
@@ -91,10 +93,10 @@ impl Perlin {
     }
 
     /// Prepare for a row that lies in one row of cells; returns how far it is from their first line. `None` for other
-    /// rows, and where there are more cells than texels, which are hashed faster than cells.
+    /// rows, and where there are many more cells than texels, which are hashed faster than cells.
     fn along(&self, at: &Part<'_>, kept: &mut PerlinRow) -> Option<f32> {
         let v = at.row_v()?;
-        if at.du().is_none() || self.cells.u as usize > at.row_us().len() {
+        if at.du().is_none() || self.cells.u as usize > DENSEST * at.row_us().len() {
             return None;
         }
         let (_, t) = self.cells.at(0.0, v);
