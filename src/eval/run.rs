@@ -294,7 +294,7 @@ impl<'a> Runner<'a> {
         let height = self.plan.domain.height;
         let ids = self.planes_of(stage);
         let mut written: Vec<Plane> = ids.iter().map(|_| self.take_plane()).collect();
-        let cuts = cuts(0..height as i64, stage.band_rows, height);
+        let cuts = cuts(0..height as i64, stage.band_rows, height, rayon::current_num_threads());
         self.bands(stage, &ids, &cuts, written.iter_mut().map(Plane::data_mut).collect())?;
         for (id, plane) in ids.into_iter().zip(written) {
             self.planes[id] = Some(plane);

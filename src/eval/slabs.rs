@@ -151,7 +151,12 @@ impl Runner<'_> {
                 window.roll(width, keep, rows.start, rows.end)
             })
             .collect();
-        let result = self.bands(stage, &ids, &cuts(rows, stage.band_rows, height), parts);
+        let result = self.bands(
+            stage,
+            &ids,
+            &cuts(rows, stage.band_rows, height, rayon::current_num_threads()),
+            parts,
+        );
         for (id, window) in ids.into_iter().zip(windows) {
             self.windows[id] = Some(window);
         }
@@ -159,13 +164,15 @@ impl Runner<'_> {
     }
 }
 
-/// Rows cut into bands, none of which crosses the seam: first row on the torus, and number.
-pub(super) fn cuts(rows: Range<i64>, band: usize, height: usize) -> Vec<(usize, usize)> {
+/// Rows cut into bands, none of which crosses the seam: first row on the torus, and number. The last ones are smaller, so that
+/// so many threads end at about the same time.
+pub(super) fn cuts(rows: Range<i64>, band: usize, height: usize, threads: usize) -> Vec<(usize, usize)> {
     let mut cuts = Vec::new();
     let mut at = rows.start;
     while at < rows.end {
         let first = at.rem_euclid(height as i64) as usize;
-        let count = band.min(height - first).min((rows.end - at) as usize);
+        let left = (rows.end - at) as usize;
+        let count = band.min(left.div_ceil(2 * threads.max(1))).min(height - first);
         cuts.push((first, count));
         at += count as i64;
     }
@@ -178,9 +185,12 @@ mod tests {
 
     #[test]
     fn bands_do_not_cross_the_seam() {
-        assert_eq!(cuts(-5..9, 4, 12), [(7, 4), (11, 1), (0, 4), (4, 4), (8, 1)]);
-        assert_eq!(cuts(10..30, 16, 12), [(10, 2), (0, 12), (0, 6)]);
-        assert!(cuts(3..3, 4, 12).is_empty());
+        assert_eq!(cuts(-5..9, 4, 12, 1), [(7, 4), (11, 1), (0, 4), (4, 3), (7, 1), (8, 1)]);
+        assert_eq!(cuts(10..30, 16, 12, 1), [(10, 2), (0, 9), (9, 3), (0, 3), (3, 2), (5, 1)]);
+        assert!(cuts(3..3, 4, 12, 2).is_empty());
+        let cut = cuts(0..100, 8, 100, 2);
+        assert_eq!((cut[0], cut[1], cut[cut.len() - 1]), ((0, 8), (8, 8), (99, 1)));
+        assert_eq!(cut.iter().map(|(_, rows)| rows).sum::<usize>(), 100);
     }
 
     #[test]

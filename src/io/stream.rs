@@ -108,7 +108,8 @@ impl<'w, 'a> Parts<'w, 'a> {
         let writer = self.writer;
         let finish = |part: Part| {
             let Part { head, file, aside, stream, row_bytes } = part;
-            let (told, hashes) = stream.finish().map_err(|p| p.at(aside.path()))?;
+            let watched = Watched { name: &file, by: writer.watch };
+            let (told, hashes) = stream.finish(watched).map_err(|p| p.at(aside.path()))?;
             let mut aside = aside.close();
             if writer.options.verify {
                 let compression = writer.options.png;

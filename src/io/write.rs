@@ -316,7 +316,7 @@ pub fn encode_png(
     map: &MapImage,
     options: &EncodeOptions,
     compression: PngCompression,
-    out: impl std::io::Write,
+    out: impl std::io::Write + Send,
 ) -> Result<MapTold, IoError> {
     let watched = Watched { name: map.kind.name(), by: None };
     png::write(map, options, compression, watched, out).map_err(|p| p.at(Path::new(map.kind.name())))

@@ -7,22 +7,20 @@
 
 mod filter;
 mod huffman;
+mod stream;
 mod strip;
 
 use std::fs::File;
 use std::io::{BufReader, Write};
 use std::sync::Arc;
 
-use ::png::{BitDepth, ColorType, ScaledFloat, SrgbRenderingIntent};
-use rayon::prelude::*;
+use ::png::{BitDepth, ColorType};
 use serde::{Deserialize, Serialize};
 
-pub(super) use self::strip::Room;
-use self::strip::Strip;
+pub(super) use self::stream::Stream;
 use super::Problem;
-use crate::base::MapKind;
-use crate::base::watch::{Watched, Work};
-use crate::maps::{Depth, EncodeOptions, MapImage, MapTold, Quantiser, RowTold};
+use crate::base::watch::Watched;
+use crate::maps::{Depth, EncodeOptions, MapImage, MapTold, Quantiser};
 
 /// How much time is spent to make PNG files smaller; all are lossless.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -61,146 +59,12 @@ pub(super) fn write(
     options: &EncodeOptions,
     compression: PngCompression,
     watched: Watched<'_>,
-    out: impl Write,
+    out: impl Write + Send,
 ) -> Result<MapTold, Problem> {
     let quantiser = Quantiser::new(map, options);
     let mut stream = Stream::new(&quantiser, map.height(), compression, false, Arc::default(), out)?;
     stream.advance(&quantiser, map.height(), watched)?;
-    Ok(stream.finish()?.0)
-}
-
-/// A file whose rows come in order, some at a time; the bytes do not depend on how many.
-pub(super) struct Stream<W: Write> {
-    writer: ::png::Writer<W>,
-    compression: PngCompression,
-    /// Values of a row, and rows.
-    size: (usize, usize),
-    strip_rows: usize,
-    /// The first row that is not encoded.
-    next: usize,
-    told: Vec<RowTold>,
-    /// Of the samples of each strip, where they will be compared.
-    hashes: Option<Vec<blake3::Hash>>,
-    adler: u32,
-    /// What is to be written next, and how many bytes of it.
-    chunk: Vec<u8>,
-    held: usize,
-    room: Arc<Room>,
-}
-
-impl<W: Write> Stream<W> {
-    /// Begin a file of so many rows like those of the quantiser. `hashed`: it will be compared by [`verify_hashes`]; `room` can be
-    /// shared with other files.
-    pub(super) fn new(
-        quantiser: &Quantiser<'_>,
-        height: usize,
-        compression: PngCompression,
-        hashed: bool,
-        room: Arc<Room>,
-        out: W,
-    ) -> Result<Self, Problem> {
-        let width = quantiser.width();
-        let side = |n: usize| {
-            i32::try_from(n).map(i32::unsigned_abs).map_err(|_| Problem::Unencodable { width, height })
-        };
-        let mut encoder = ::png::Encoder::new(out, side(width)?, side(height)?);
-        encoder.set_color(color_type(quantiser.channels()));
-        encoder.set_depth(bit_depth(quantiser.depth()));
-        if quantiser.kind() == MapKind::Color {
-            encoder.set_source_srgb(SrgbRenderingIntent::Perceptual);
-        } else {
-            encoder.set_source_gamma(ScaledFloat::new(1.0));
-        }
-        Ok(Self {
-            writer: encoder.write_header().map_err(problem)?,
-            compression,
-            size: (width * quantiser.channels(), height),
-            strip_rows: strip::rows(compression, quantiser.row_bytes()),
-            next: 0,
-            told: Vec::with_capacity(height),
-            hashes: hashed.then(Vec::new),
-            adler: 1,
-            // The head of a zlib stream: deflate, a window of 32 KiB.
-            chunk: vec![0x78, 0x01],
-            held: 2,
-            room,
-        })
-    }
-
-    /// The first row that is not encoded.
-    pub(super) fn next(&self) -> usize {
-        self.next
-    }
-
-    /// Rows of the whole file.
-    pub(super) fn height(&self) -> usize {
-        self.size.1
-    }
-
-    /// Encode the strips that lie before row `end`: the quantiser holds all rows from [`Stream::next`] to there.
-    pub(super) fn advance(
-        &mut self,
-        quantiser: &Quantiser<'_>,
-        end: usize,
-        watched: Watched<'_>,
-    ) -> Result<(), Problem> {
-        let (height, rows) = (self.size.1, self.strip_rows);
-        let strips = (self.next..end).step_by(rows).map(|first| first..(first + rows).min(height));
-        let strips: Vec<_> = strips.filter(|strip| strip.end <= end).collect();
-        for batch in strips.chunks(4 * rayon::current_num_threads().max(1)) {
-            let made: Vec<Result<Strip, Problem>> = batch
-                .par_iter()
-                .with_max_len(1)
-                .map(|rows| {
-                    let hashed = self.hashes.is_some();
-                    let strip =
-                        || strip::encode(quantiser, self.compression, rows.clone(), hashed, &self.room);
-                    watched.piece(Work::Encode, strip)
-                })
-                .collect();
-            for strip in made {
-                self.put(strip?, watched)?;
-            }
-            self.next = batch.last().map_or(self.next, |rows| rows.end);
-        }
-        Ok(())
-    }
-
-    fn put(&mut self, strip: Strip, watched: Watched<'_>) -> Result<(), Problem> {
-        let old = if self.told.is_empty() {
-            self.chunk.extend(&strip.bytes[..strip.used]);
-            self.held = self.chunk.len();
-            strip.bytes
-        } else {
-            let chunk = &self.chunk[..self.held];
-            watched
-                .piece(Work::Write, || self.writer.write_chunk(::png::chunk::IDAT, chunk))
-                .map_err(problem)?;
-            self.held = strip.used;
-            std::mem::replace(&mut self.chunk, strip.bytes)
-        };
-        self.room.bytes.give_back(old);
-        self.adler = zlib_rs::adler32::adler32_combine(self.adler, strip.adler, strip.length);
-        self.told.extend(strip.told);
-        if let (Some(hashes), Some(hash)) = (&mut self.hashes, strip.samples) {
-            hashes.push(hash);
-        }
-        Ok(())
-    }
-
-    /// End the file, all of whose rows are encoded; returns what was found out, and the hashes of its strips if they were
-    /// asked for.
-    pub(super) fn finish(mut self) -> Result<(MapTold, Vec<blake3::Hash>), Problem> {
-        debug_assert_eq!(self.next, self.size.1, "rows are missing");
-        // The last block, which is empty, and the checksum.
-        self.chunk.truncate(self.held);
-        self.chunk.extend([0x03, 0x00]);
-        self.chunk.extend(self.adler.to_be_bytes());
-        self.writer.write_chunk(::png::chunk::IDAT, &self.chunk).map_err(problem)?;
-        self.writer.finish().map_err(problem)?;
-        let (values, rows) = self.size;
-        Ok((MapTold::of_rows(values * rows, self.told), self.hashes.unwrap_or_default()))
-    }
+    Ok(stream.finish(watched)?.0)
 }
 
 /// Decode what a [`Stream`] wrote, and compare every sample by the hashes of its strips.
@@ -268,6 +132,7 @@ pub(super) fn problem(error: ::png::EncodingError) -> Problem {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::base::MapKind;
     use crate::base::Plane;
     use proptest::prelude::*;
     use std::io::{Seek as _, SeekFrom};
